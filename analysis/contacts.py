@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contacts of one frame, found from positions: pairs, overlaps, forces, and their sums. All per metre of width.
+"""Contacts of one frame, computed from positions: pairs, overlaps, forces, their sums. All per metre of width.
 
 Pairs of points that are close to each other.
 """
@@ -21,7 +21,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.chains import FACE, records_of
 from lammps_jump.scene.faces import FaceGrid, grid_of
-from lammps_jump.scene.motion import Placed
+from lammps_jump.scene.motion import WallAtStep
 from lammps_jump.scene.walls import Wall
 
 from .flow import Flow, fixed_discs
@@ -42,25 +42,28 @@ _thrust = entry(
     thrust=REALS,
 )  # fmt: skip
 
-Asked = ParamSpec("Asked")
+Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 
 
-def once_a_frame(function: Callable[Asked, Answer]) -> Callable[Asked, Answer]:
+def once_a_frame(function: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
     """The same function of a frame and more, which keeps its answers for the last frame: several analyses ask alike."""
     kept: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     last: list[object] = [None]
 
     @wraps(function)
-    def answer(*asked: Asked.args, **options: Asked.kwargs) -> Answer:
-        if last[0] is not asked[0]:
+    def answer(*given: Arguments.args, **options: Arguments.kwargs) -> Answer:
+        if last[0] is not given[0]:
             kept.clear()
-            last[0] = asked[0]
-        key = (*map(id, asked), *options.items())
-        found = kept.get(key)
-        if found is None:
-            found = kept[key] = function(*asked, **options), asked  # the arguments are held: nothing else has their ids
-        return found[0]
+            last[0] = given[0]
+        key = (*map(id, given), *options.items())
+        stored = kept.get(key)
+        if stored is None:
+            stored = kept[key] = (
+                function(*given, **options),
+                given,
+            )  # the arguments are held: nothing else has their ids
+        return stored[0]
 
     return answer
 
@@ -132,9 +135,9 @@ def walls_of(frame: Frame, flow: Flow) -> tuple[Wall, ...]:
 def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     """Contacts of a frame's discs with a wall, by the rule of the engines (`lammps_jump.scene.faces`).
 
-    Discs are looked at in the frame in which a moving wall stands, so that its faces and their grid are made once.
+    Discs are looked at in the frame in which a moving wall is at rest, so its faces and their grid are made once.
     """
-    law, moving = flow.scene.wall_law(wall.name), wall if isinstance(wall, Placed) else None
+    law, moving = flow.scene.wall_law(wall.name), wall if isinstance(wall, WallAtStep) else None
     body, places = (moving.body, moving.inward(frame.x, frame.y)) if moving else (wall, (frame.x, frame.y))
     x, y, radius = (np.ascontiguousarray(values, float) for values in (*places, flow.radii(frame)))
     wall_faces = _faces(body)
@@ -142,12 +145,12 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     count, room = 0, -1
     while count > room:
         room = max(count, 2 * frame.n)
-        index, found = np.empty(room, np.int64), np.empty((room, 3))
+        index, contacts = np.empty(room, np.int64), np.empty((room, 3))
         count = _touch_wall(
             n=frame.n, x=x, y=y, radius=radius, faces=wall_faces, deep=body.faces.deep[0], place=grid.place[0],
-            cells=grid.cells[0], start=grid.start, listed=grid.faces, index=index, found=found, room=room,
+            cells=grid.cells[0], start=grid.start, listed=grid.faces, index=index, found=contacts, room=room,
         )  # fmt: skip
-    index, (distance, nx, ny), rate = index[:count], found[:count].T, (np.zeros(count), np.zeros(count))
+    index, (distance, nx, ny), rate = index[:count], contacts[:count].T, (np.zeros(count), np.zeros(count))
     mass, number = flow.scene.mass * flow.relative_masses(frame)[index], flow.number_of(wall)
     along = across = np.sqrt(flow.scene.mass * mass)
     if moving:
@@ -180,9 +183,9 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
         size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
     still, dashpots = np.zeros(len(i)), (flow.dashpots[0] * size, 0.5 * c.mass * c.gamma_tangential * size)
     law = np.zeros(len(i), np.int64)
-    found = i, j, dx / distance, dy / distance, reach - distance, *dashpots, still, still, law, frame.ids[i]
+    columns = i, j, dx / distance, dy / distance, reach - distance, *dashpots, still, still, law, frame.ids[i]
     touch = distance < reach
-    return Touching(*(part[touch] for part in found))
+    return Touching(*(part[touch] for part in columns))
 
 
 @once_a_frame
@@ -221,7 +224,7 @@ def touching(frame: Frame, flow: Flow) -> Touching:
 def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts:
     """Contacts of a frame, friction left out.
 
-    The law is `lammps_jump.physics.law.normal_force`. The dashpot takes the velocities of the dump, which stand at the
+    The law is `lammps_jump.physics.law.normal_force`. The dashpot takes the velocities of the dump, those of the
     full step.
 
     Parameters
@@ -239,14 +242,14 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError(f"no contact forces: {flow.no_contacts}; analyse a bare dump with its case (--case).")
-    found = touching(frame, flow)
-    first, second, nx, ny, overlap, *_ = found
+    pairs = touching(frame, flow)
+    first, second, nx, ny, overlap, *_ = pairs
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
         u, v = (np.append(np.nan_to_num(speed), 0.0) for speed in (frame.vx, frame.vy))
-        opening = (u[second] - u[first] - found.wall_u) * nx + (v[second] - v[first] - found.wall_v) * ny
-    force = normal_forces(flow, found, opening)
+        opening = (u[second] - u[first] - pairs.wall_u) * nx + (v[second] - v[first] - pairs.wall_v) * ny
+    force = normal_forces(flow, pairs, opening)
     start, end = points[second], points[np.where(is_wall, 0, first)]
     to_wall = (flow.radii(frame)[second] - overlap)[:, None] * normal
     return Contacts(start, np.where(is_wall[:, None], start - to_wall, end), normal, overlap, force, is_wall)
@@ -271,7 +274,7 @@ def whole_forces(
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
     It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
-    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out. A
+    velocities of the dump, which are those of the full step; springs with memory, which no frame gives, are left out. A
     disc whose velocity is not known (NaN) counts as one at rest.
 
     Parameters
@@ -284,7 +287,7 @@ def whole_forces(
         Without it the springs alone.
     """
     scene, zero = flow.scene, np.zeros(frame.n + 1)
-    # behind the discs stands one that never moves: the walls, whose own velocity stands with the contact
+    # the discs are followed by one that never moves: the walls, whose own velocity is given with the contact
     moving = (np.nan_to_num(frame.vx), np.nan_to_num(frame.vy), zero[1:])
     u, v, rim = (np.append(values, 0.0) for values in moving) if velocity else (zero,) * 3
     rubs = velocity and scene.rubs and scene.springs is None
@@ -405,10 +408,10 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
 
     The force is that of `whole_forces`: spring, dashpot and friction.
     """
-    found = wall_contacts(frame, wall, flow)
-    fx, fy = whole_forces(frame, flow, found, velocity=velocity)
-    sideways = bool(np.any(np.abs(found.nx) > 1e-9))
-    return WallSums(elastic_energy(found, flow), (float(fx.sum()), float(fy.sum())), found.second, fx, fy, sideways)
+    pairs = wall_contacts(frame, wall, flow)
+    fx, fy = whole_forces(frame, flow, pairs, velocity=velocity)
+    sideways = bool(np.any(np.abs(pairs.nx) > 1e-9))
+    return WallSums(elastic_energy(pairs, flow), (float(fx.sum()), float(fy.sum())), pairs.second, fx, fy, sideways)
 
 
 @dataclass(frozen=True)
@@ -436,7 +439,7 @@ class ContactCollector:
         self._bins: list[np.ndarray] = []
 
     def add(self, frame: Frame, time: float) -> None:
-        """Add a frame; its elastic energy stands in ``latest`` until the next one."""
+        """Adds a frame; its elastic energy is in ``latest`` until the next one."""
         flow, edges = self.flow, self.edges
         pairs = pair_sums(frame, flow, edges)
         self.latest = pairs.energy
@@ -472,7 +475,7 @@ def close_pairs(x: np.ndarray, y: np.ndarray, reach: float) -> tuple[np.ndarray,
     Returns
     -------
     first, second : ndarray of int32, shape (pairs,)
-        Without the core in another order, and a pair may stand the other way round.
+        Without the core in another order, and a pair may be reversed.
     """
     if core() is None:
         return _pairs_of_tree(x, y, reach)

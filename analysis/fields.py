@@ -7,7 +7,7 @@ Granular Matter 14 (2012) 289. Each disc's kernel is normalised over the cells t
 mass, momentum or force moment is lost into walls: sums over the grid equal the discs' to round-off.
 
 Normalising alone would make a uniform fluid look thin at a wall (ln 2 = 0.69 of it at a plane): discs near the wall
-lose little to it there, and those further off do not make up for it. So every cell carries a weight a, found by
+lose little to it there, and those further off do not make up for it. So every cell has a weight a, computed by
 balancing (R. Sinkhorn, Ann. Math. Statist. 35 (1964) 876): a(r) sum over r' of W(r - r') a(r') = 1 on the open
 cells. With it a uniform fluid stays uniform up to the wall, and nothing is lost either.
 """
@@ -162,9 +162,9 @@ class _Grid(NamedTuple):
 
     def sums(self, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of points, shape (n, quantities), per area of the cells around them, a plane a quantity."""
-        found = np.zeros((weights.shape[1], *self.free.shape))
-        spread(points, weights, self.weight, self.geometry, found)
-        return found
+        sums = np.zeros((weights.shape[1], *self.free.shape))
+        spread(points, weights, self.weight, self.geometry, sums)
+        return sums
 
 
 def _grid(flow: Flow, time: float, extent: tuple[Interval, Interval], spacing: float, reach: float) -> _Grid:
@@ -178,8 +178,8 @@ def _grid(flow: Flow, time: float, extent: tuple[Interval, Interval], spacing: f
     y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
     open_ = _open_cells(flow.walls_at(time), tuple(x), tuple(y))
     weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach)
-    asked = slice(margin, margin + ny), slice(margin, margin + nx)
-    return _Grid(x, y, open_, weight, (low_x, low_y, spacing, reach), asked)
+    inside = slice(margin, margin + ny), slice(margin, margin + nx)
+    return _Grid(x, y, open_, weight, (low_x, low_y, spacing, reach), inside)
 
 
 def _of_motion(frame: Frame, flow: Flow, grid: _Grid) -> dict[str, np.ndarray]:
@@ -229,14 +229,14 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
     for frame in frames:
         fields = compute_fields(frame, flow, x=x, y=y, **options).drop_vars("time")
         density = fields["density"]
-        told = [name for name in VELOCITY if name in fields]
-        fields.update((fields[told] * density).where(density != 0, 0 * density))
+        components = [name for name in VELOCITY if name in fields]
+        fields.update((fields[components] * density).where(density != 0, 0 * density))
         total = fields if total is None else total + fields
         count += 1
     if total is None:
         raise DumpError("there is no frame to make fields of.")
     mean = total / count
-    mean.update(mean[told] / mean["density"].where(mean["density"] > 0))
+    mean.update(mean[components] / mean["density"].where(mean["density"] > 0))
     mean = mean.assign({name: _described(str(name), values.values, "time mean of ") for name, values in mean.items()})
     return mean.assign_attrs(fields.attrs, frames=count)
 
@@ -281,12 +281,12 @@ def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tup
 
 def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
     """Points along the branches of all contacts and what each carries: its share of force (x) branch."""
-    found = find_contacts(frame, flow)
-    branch = found.start - found.end
-    force = found.force[:, None] * found.normal
+    contacts = find_contacts(frame, flow)
+    branch = contacts.start - contacts.end
+    force = contacts.force[:, None] * contacts.normal
     moment = np.column_stack([force[:, 0] * branch[:, 0], force[:, 0] * branch[:, 1], force[:, 1] * branch[:, 1]])
     nodes, weights = 0.5 * (GAUSS[0] + 1), 0.5 * GAUSS[1]
-    points = (found.end[:, None, :] + nodes[None, :, None] * branch[:, None, :]).reshape(-1, 2)
+    points = (contacts.end[:, None, :] + nodes[None, :, None] * branch[:, None, :]).reshape(-1, 2)
     return points, (weights[None, :, None] * moment[:, None, :]).reshape(-1, 3)
 
 

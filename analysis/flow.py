@@ -51,7 +51,7 @@ class Flow:
     diameters : mapping of int to float
         Diameter of each type, m, where a bare dump has types in place of radii.
     timed : bool
-        Times are known. Step numbers stand in their place in a bare dump without; nothing is made of them.
+        Times are known. Step numbers replace them in a bare dump without; nothing is made of them.
     velocities : bool
         Velocities are in the frames, or follow from positions and times.
     water : bool
@@ -154,7 +154,7 @@ class Flow:
 
     @cached_property
     def laws(self) -> Array[jump_law]:
-        """Numbers of the law of two discs and, behind it, of each wall of the scene, as the core has them."""
+        """Numbers of the law of two discs and, after it, of each wall of the scene, as the core has them."""
         scene = self.scene
         return laws_of(scene.law_numbers(), *(scene.law_numbers(wall.name) for wall, _ in scene.walls))
 

@@ -64,7 +64,7 @@ def from_dump(
     bin_width : float, optional
         m; default five diameters, or so that whole bins cover the floor.
     time_step : float, optional
-        s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
+        s, for dumps without ``ITEM: TIME``. Without either, steps replace the times, and nothing is made of them.
     kind : {'spheres', 'cylinders', 'discs'}, optional
         What masses are of, where masses and diameters do not tell it (`lammps_jump.physics.bodies`).
     gravity : float, optional
@@ -132,13 +132,13 @@ def _scene(
     frame: Frame, name: str, diameter: float, mass: float, gravity: float, floor: Plane | Block,
     time_step: float | None,
 ) -> Scene:  # fmt: skip
-    """A scene of which no more is known than its discs in a frame, with a floor that stands."""
+    """A scene of which no more is known than its discs in a frame, with a floor at rest."""
     (x_low, x_high), (y_low, y_high) = frame.box[:2].tolist()
     return Scene(
         name=name,
         description="",
         diameter=diameter,
-        density=mass / diameter**2,  # of discs that stand in squares: a depth by mass is one of the same discs
+        density=mass / diameter**2,  # of discs in squares: a depth by mass is one of the same discs
         gravity=(0.0, -gravity),
         coefficients=known_coefficients(mass=mass, time_step=time_step),
         friction_law="viscous",
@@ -192,7 +192,7 @@ def _floor(
 ) -> Plane | Block:
     """The floor under discs of these edges, m: a level plane, or a block that ends where discs fall below it.
 
-    In strips of the channel the lowest disc of all frames stands on what is below. The level at which most strips agree
+    In strips of the channel the lowest disc of all frames lies on what is below. The level at which most strips agree
     within the slack is the floor. Strips with a disc two strips' slack below it are a fall; those without a disc on the
     floor before the fall are a sill.
     """
@@ -275,24 +275,24 @@ def _bodies(
     DumpError
         Masses, diameters and what is given contradict each other.
     """
-    found = {kind: bodies.density_of(kind, masses, diameters) for kind in bodies.SHAPES}
-    listed = ", ".join(f"{kind} of {value:z.4g} kg/m3" for kind, value in found.items())
-    told = bodies.kinds_that_fit(masses, diameters, density)
-    if density is not None and (not told or (given and given not in told)):
+    densities = {kind: bodies.density_of(kind, masses, diameters) for kind in bodies.SHAPES}
+    listed = ", ".join(f"{kind} of {value:z.4g} kg/m3" for kind, value in densities.items())
+    fitting = bodies.kinds_that_fit(masses, diameters, density)
+    if density is not None and (not fitting or (given and given not in fitting)):
         raise DumpError(
             f"density = {density:zg} kg/m3{f' of {given}' if given else ''}: masses of {np.mean(masses):z.4g} kg and "
             f"diameters of {np.mean(diameters):z.4g} m are those of {listed}. Give one of these densities, or none; "
             "or give the right diameter (--diameter)."
         )
-    kinds = (given,) if given else told
+    kinds = (given,) if given else fitting
     if not kinds:
-        cgs = OF_CGS[0] <= found["spheres"] <= OF_CGS[1]
+        cgs = OF_CGS[0] <= densities["spheres"] <= OF_CGS[1]
         units = " In g and cm that is usual: numbers are taken for m, s and kg, so convert the dump." if cgs else ""
         return kinds, (
             f"Masses and diameters are of no body of one material ({listed}).{units} Say which with --bodies; until "
             "then masses count per metre of width. Depths hold: they count diameter^2 for each disc."
         )
-    names = " or ".join(f"{kind} of {found[kind]:z.4g} kg/m3" for kind in kinds)
+    names = " or ".join(f"{kind} of {densities[kind]:z.4g} kg/m3" for kind in kinds)
     how = "as given" if given else "by mass and diameter"
     if "spheres" not in kinds:
         return kinds, f"Bodies: {names}, {how}; masses are per metre of width."

@@ -127,7 +127,7 @@ def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Watcher]) -> 
 def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:
     """The frames; where the file has no vx, vy they are differences of the positions between two frames.
 
-    In a periodic box they are those to the nearest image: a disc that has gone over its side stands at the other one.
+    In a periodic box they are those to the nearest image: a disc that has gone over its side is at the other one.
     The other frame is the one before or, for a disc that is not in it, the next one. A disc that is in neither has the
     velocity NaN, as have all discs where there are no times.
 
@@ -163,11 +163,11 @@ def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Fra
 
 def _periods(dump: Dump, frame: Frame, flow: Flow) -> tuple[float | None, float | None]:
     """Lengths along x and y after which places repeat, m: of the scene, else of the dump's box; None where none do."""
-    found: list[float | None] = []
+    periods: list[float | None] = []
     for axis, periodic, (low, high) in zip("xy", dump.periodic, frame.box, strict=False):
         wrapped = bool({axis, f"{axis}s"} & set(frame.columns))  # others run on over the sides
-        found.append(float(high - low) if periodic and wrapped and high > low else None)
-    return flow.scene.period or found[0], found[1]
+        periods.append(float(high - low) if periodic and wrapped and high > low else None)
+    return flow.scene.period or periods[0], periods[1]
 
 
 def _set_velocities(
@@ -180,6 +180,6 @@ def _set_velocities(
     _, here, there = np.intersect1d(frame.ids, other.ids, return_indices=True)
     ways = np.array([frame.x[here] - other.x[there], frame.y[here] - other.y[there]])
     for way, period in zip(ways, periods, strict=True):
-        if period is not None:  # a disc that has gone over the seam stands at the other end
+        if period is not None:  # a disc that has gone over the seam is at the other end
             way -= period * np.rint(way / period)
     speeds[:, here] = ways / span + 0.0  # no -0

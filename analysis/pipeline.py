@@ -45,20 +45,20 @@ Given = ParamSpec("Given")
 Found = TypeVar("Found")
 
 
-class Later(Generic[Found]):
+class Deferred(Generic[Found]):
     """Result of a work, once the block of `aside` is left."""
 
     value: Found
 
 
 @contextmanager
-def aside(work: Callable[Given, Found], *given: Given.args, **named: Given.kwargs) -> Iterator[Later[Found]]:
+def aside(work: Callable[Given, Found], *given: Given.args, **named: Given.kwargs) -> Iterator[Deferred[Found]]:
     """Do a work that leaves files, while the block goes on; it is done when the block is left.
 
     Where it fails it is done once more, in this process and with its errors. Beside other threads it is done in this
     process alone: one of them may hold a lock, for which a copy would wait forever.
     """
-    done, later = False, Later[Found]()
+    done, later = False, Deferred[Found]()
     if threading.active_count() > 1:
         yield later
     else:
@@ -123,7 +123,7 @@ class DrawnAside(ExitStack):
         That of the discs, for a page; None where none is drawn.
     """
 
-    still: Later[Picture | None] | None = None
+    still: Deferred[Picture | None] | None = None
 
     def shown_in(self, player: Player | None) -> Player | None:
         """A player with the picture of the discs, after the block."""
@@ -138,7 +138,7 @@ def analyse(
     *,
     pictures: Pictures = DEFAULT_PICTURES,
     gathered: Gathered | None = None,
-    told: Callable[[str], None] | None = None,
+    report: Callable[[str], None] | None = None,
     drawing: DrawnAside | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
@@ -150,13 +150,13 @@ def analyse(
     dump : Path
     out : Path
         Folder that gets ``profiles.nc``, ``*.csv``, ``curves.json``, ``figures/*.png`` and the film. ``forces.csv`` is
-        looked for here and beside the dump.
+        looked for here and next to the dump.
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and what a flow has anyway.
     pictures : Pictures
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
-    told : callable(str), optional
+    report : callable(str), optional
         Called with what is done next: results, tables.
     drawing : DrawnAside, optional
         The pictures are done when its block is left, by default when this function returns.
@@ -176,20 +176,20 @@ def analyse(
         known = ", ".join(name for name, one in QUANTITIES.items() if one.always is None or one.needs)
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted)
-    told, warnings = told or (lambda phase: None), list(gathered.warnings)
-    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
+    report, warnings = report or (lambda phase: None), list(gathered.warnings)
+    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves no folder
     with nullcontext(drawing) if drawing else DrawnAside() as busy:
         if pictures.figures != "none":
             busy.still = busy.enter_context(aside(draw_discs, out, dump, flow, felt(gathered)))
-        told("results")
+        report("results")
         names = [name for name, quantity in QUANTITIES.items() if name in wanted or quantity.always is not None]
-        asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
-        results = {name: result for name, result in asked.items() if result is not None}
+        analysed = {name: QUANTITIES[name].analyse(gathered) for name in names}
+        results = {name: result for name, result in analysed.items() if result is not None}
         warnings += [note for name, result in results.items() for note in QUANTITIES[name].notes(result)]
         parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
         shown = drawings(gathered, results) if pictures.figures != "none" else {}
         drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
-        told("tables")
+        report("tables")
         files = _write(gathered, results, shown if drawn else {}, out)
         if drawn:
             draw_figures(drawn, shown, out / "figures", dump, flow)
@@ -226,8 +226,8 @@ def _write(
 
 def without_friction(flow: Flow, places: Sequence[Path], wanted: Collection[str]) -> list[str]:
     """A note where forces of contacts lack the friction of springs with memory, because the engine wrote none."""
-    asked = {"fields", *(name for name, one in LISTED.items() if one.contacts)} & set(wanted)
-    if flow.scene.springs is None or not asked or any((place / CONTACTS_FILE).is_file() for place in places):
+    in_need = {"fields", *(name for name, one in LISTED.items() if one.contacts)} & set(wanted)
+    if flow.scene.springs is None or not in_need or any((place / CONTACTS_FILE).is_file() for place in places):
         return []
     return [
         f"Contact forces lack the tangential springs, which no frame tells: {CONTACTS_FILE} is not there. Run with "
@@ -250,8 +250,8 @@ def collect(
     ``forces.csv`` and the contacts that the engine wrote are looked for in `places`.
     """
     if flow.scene.contact_output:
-        found = [place / CONTACTS_FILE for place in places]
-        there = next((file for file in found if file.is_file()), found[-1])
+        paths = [place / CONTACTS_FILE for place in places]
+        there = next((file for file in paths if file.is_file()), paths[-1])
         flow = replace(flow, written=ContactFile(there, flow.scene))
     needs = {need for name, one in QUANTITIES.items() if name in wanted for need in one.needs}
     edges = bin_edges(flow.x_range, flow.bin_width) if "thrust" in needs else None
@@ -305,10 +305,10 @@ def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Cha
 
 def _marks(results: Mapping[str, object]) -> Marks:
     """Marks of all results in the figures of the profiles."""
-    found = Marks()
+    marks = Marks()
     for lines, places, track in (QUANTITIES[name].marks(result) for name, result in results.items()):
-        found = Marks({**found.lines, **lines}, {**found.places, **places}, track or found.track)
-    return found
+        marks = Marks({**marks.lines, **lines}, {**marks.places, **places}, track or marks.track)
+    return marks
 
 
 def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
@@ -335,15 +335,15 @@ def draw_figures(
     flow: Flow,
     ending: str = "png",
     arrows: ForceArrows | None = None,
-    beside: Callable[[Image], None] | None = None,
+    use_picture: Callable[[Image], None] | None = None,
 ) -> None:
-    """Draw figures into a folder, as files with this ending; `arrows` as of `figure`, `beside` as of `style.save`."""
+    """Draw figures into a folder, as files with this ending; `arrows` as of `figure`, `use_picture` of `style.save`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     for name in names:
-        draw.style.save(figure(name, shown, dump, flow, arrows), folder / f"{name}.{ending}", beside)
+        draw.style.save(figure(name, shown, dump, flow, arrows), folder / f"{name}.{ending}", use_picture)
 
 
 def draw_discs(folder: Path, dump: Path, flow: Flow, arrows: ForceArrows | None = None) -> Picture | None:
@@ -354,7 +354,7 @@ def draw_discs(folder: Path, dump: Path, flow: Flow, arrows: ForceArrows | None 
         with suppress(OSError, ValueError):  # the page makes it of the file
             small.append(smaller(picture))
 
-    draw_figures([DISCS], {}, folder / "figures", dump, flow, arrows=arrows, beside=keep)
+    draw_figures([DISCS], {}, folder / "figures", dump, flow, arrows=arrows, use_picture=keep)
     return still_of(folder, *small)
 
 

@@ -10,8 +10,8 @@ multiples of T see all of them at the same places, again and again: their mean i
 holds two and a half discs of a row reads two or three. So a disc counts over the way that it goes within T. That is
 the mean over this time for all that goes straight on, and shifts nothing by more than v T/2 elsewhere.
 
-At an inlet and at an outlet discs come and go with their centres. There is none behind that plane whose area would
-stand for what those before it have behind the plane: the sums fold it back.
+At an inlet and at an outlet discs come and go with their centres. There is none beyond that plane whose area would
+replace what those before it have beyond the plane: the sums fold it back.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class RunningRows(NamedTuple):
     interval : s
         Time from its last disc to the next one.
     x, y, u, v : m, m/s
-        Where the next disc would be if it came at its velocity all the way: behind the inlet.
+        Where the next disc would be if it came at its velocity all the way: upstream of the inlet.
     """
 
     interval: np.ndarray
@@ -108,7 +108,7 @@ class OpenEnds(NamedTuple):
     def ways(self, x: np.ndarray, half: np.ndarray) -> Ways:
         """Ways of discs at x that go `half` a way on either side, m.
 
-        What lies behind the inlet is no way: the disc was not there yet. Behind an outlet others have gone before.
+        What lies before the inlet is no way: the disc was not there yet. Beyond an outlet others have gone before.
         """
         start, stop, weight = x - half, x + half, np.where((x < self.begin) | (x > self.end), 0.0, 1.0)
         if self.inlet in (self.begin, self.end):
@@ -129,7 +129,7 @@ def running_rows(flow: Flow, frame: Frame) -> RunningRows:
     scene, rows = flow.scene, flow.scene.inlets
     if not rows or not flow.time_step:
         return NO_ROWS
-    farthest, found = FARTHEST * scene.largest, []
+    farthest, rows_found = FARTHEST * scene.largest, []
     inlet = np.flatnonzero(np.abs(frame.x - rows[0].x) < farthest)
     x, y = frame.x[inlet], frame.y[inlet]
     for row in rows:
@@ -141,8 +141,8 @@ def running_rows(flow: Flow, frame: Frame) -> RunningRows:
         distance = abs(last) * (since - ahead)
         off = np.abs(x - row.x - last * since), np.abs(y - row.y - row.vy * since)
         if distance < farthest and ((off[0] < NEAR * distance) & (off[1] < row.clearance)).any():
-            found.append((since - ahead, row.x + coming * ahead, row.y + row.vy * ahead, coming, row.vy))
-    return RunningRows(*np.array(found).T) if found else NO_ROWS
+            rows_found.append((since - ahead, row.x + coming * ahead, row.y + row.vy * ahead, coming, row.vy))
+    return RunningRows(*np.array(rows_found).T) if rows_found else NO_ROWS
 
 
 def intervals_of(y: np.ndarray, rows: RunningRows) -> np.ndarray:
@@ -275,7 +275,7 @@ class Binner:
             if known.all()
             else bin_known(counted, known, low, width, bins, ways)
         )
-        if coming:  # they are behind the inlet, and not there
+        if coming:  # they are upstream of the inlet, and not there
             beyond[0 if rows.u[0] > 0 else 1] -= counted.mass[-coming:].sum()
         if flow.bed_moves:
             self.bed_lines = flow.bed_height(self.places, time)
@@ -424,12 +424,16 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
         mean, error = block_average(values)
         if name in CARRIED:
             mean = np.where(np.isnan(mean), known_mean(values), mean)
-        told = {"units": units, "long_name": f"time mean of {long_name}"}
+        attributes = {"units": units, "long_name": f"time mean of {long_name}"}
         if name == "velocity":
             mean, error = _mean_velocity(dataset["discharge"].values[inside], dataset["mass_depth"].values[inside])
-            told["long_name"] = "mean discharge over mean mass depth"
-        means[f"{name}_mean"] = "x", mean, told
-        means[f"{name}_stderr"] = ("x", error, told | {"long_name": f"standard error of the {told['long_name']}"})
+            attributes["long_name"] = "mean discharge over mean mass depth"
+        means[f"{name}_mean"] = "x", mean, attributes
+        means[f"{name}_stderr"] = (
+            "x",
+            error,
+            attributes | {"long_name": f"standard error of the {attributes['long_name']}"},
+        )
     averaged = dataset.assign(means)
     averaged.attrs |= {
         "window_begin": float(window[0]),
@@ -468,7 +472,7 @@ class FrameDiscs(NamedTuple):
         return cls(*(np.ascontiguousarray(column, float) for column in columns))
 
     def followed_by(self, rows: RunningRows, scene: Scene) -> FrameDiscs:
-        """The discs, and behind them the next one of each row, of the mean mass."""
+        """The discs, and after them the next one of each row, of the mean mass."""
         if not len(rows.x):
             return self
         size = np.full(len(rows.x), scene.mean_square)
@@ -533,7 +537,7 @@ def bin_known(
 
 
 def shares(x: np.ndarray, radius: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bins in which each disc lies, 0 and bins + 1 for those beside them, and its share in each; shape (most, n)."""
+    """Bins in which each disc lies, 0 and bins + 1 for those outside, and its share in each; shape (most, n)."""
     return spread_shares((x, x), radius, (-np.inf, np.inf), low, width, bins)
 
 
@@ -612,7 +616,7 @@ def surface_of(
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
 
-    `bed_lines` is the bed's height at each line, m; line k of the range stands at ``low + (k + 1/2) spacing``. A line
+    `bed_lines` is the bed's height at each line, m; line k of the range is at ``low + (k + 1/2) spacing``. A line
     without a bed makes its bin NaN. Of the lines those count that are `seen`, shape (bins, lines of a bin).
     """
     x, y, u, _, radius, _ = discs

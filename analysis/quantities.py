@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The list of analyses: the module of each, and the fields and options that choose it.
 
-What is needed before an analysis is loaded stands here, because cases and commands load none. All else is told by the
+What is needed before an analysis is loaded is here, because cases and commands load none. All else is given by the
 `QUANTITY` of its file (`quantity.py`).
 """
 
@@ -39,7 +39,7 @@ class ListedAnalysis(NamedTuple):
         What a scene must have, by the names of `lammps_jump.case.doubts.facts`, and what follows where it
         lacks that; ``check`` says so.
     makes : tuple of str
-        Names of its tables, and those of its figures without an ending; ``*`` stands for its own.
+        Names of its tables, and those of its figures without an ending; ``*`` means its own.
     """
 
     file: str
@@ -125,11 +125,11 @@ LISTED = {
 
 
 class ListedQuantities(Mapping[str, "Quantity"]):
-    """The analyses by their names, in the order of the report; each is loaded where it is asked for."""
+    """The analyses by their names, in the order of the report; each is loaded when it is needed."""
 
     def __getitem__(self, name: str) -> Quantity:
-        found: Quantity = import_module(LISTED[name].file).QUANTITY
-        return found
+        quantity: Quantity = import_module(LISTED[name].file).QUANTITY
+        return quantity
 
     def __contains__(self, name: object) -> bool:
         return name in LISTED
@@ -147,14 +147,14 @@ FIRST = {
     "depth_profile": "Depth and velocity along the channel, mean of the window",
     "depth_map": "Depth of the free surface over distance and time",
 }
-"""Figures that every flow has, with their captions; they stand before those of the analyses."""
+"""Figures that every flow has, with their captions; they come before those of the analyses."""
 LAST = {
     "snapshots": "Ten equal times, discs coloured by speed",
     "field_density": "Density of the flow",
     "field_pressure": "Pressure",
     "bed_pressure": "Pressure at the bed against the weight above",
 }
-"""The discs, and what fields show; behind them."""
+"""The discs, and what fields show; after them."""
 
 
 def captions() -> dict[str, str]:

@@ -34,9 +34,9 @@ class HeadlineNumber(NamedTuple):
     Attributes
     ----------
     key : str
-        Of the number, a path within the quantity; ``*`` stands for the names of structures.
+        Of the number, a path within the quantity; ``*`` represents the names of structures.
     words, other : str
-        What theory is, and the path of its number within the quantity. Without a path the words stand alone.
+        What theory is, and the path of its number within the quantity. Without a path there are only the words.
     source : str
         Equation of theory, shown where a page is pointed at.
     label : str
@@ -47,7 +47,7 @@ class HeadlineNumber(NamedTuple):
         The difference has the unit of both; else it is a share of theory.
     holds : str
         What theory is of, for flows to which it does not apply. Lengths have none: discs make a short jump, and the
-        page says so beside them.
+        page says so next to them.
     rank : int or None
         In place of the rank of the quantity.
     result : type or None
@@ -93,7 +93,7 @@ class Named(NamedTuple):
     walls : str
         Attribute of a case that holds their names.
     path : str
-        Where a result stands, on the page of all numbers.
+        Where a result is, on the page of all numbers.
     """
 
     what: str
@@ -122,7 +122,7 @@ class Quantity:
     collector : callable(flow, contacts) -> Collector, or None
         Takes in the frames; None where profiles and contacts are enough.
     always : callable(flow) -> bool, or None
-        Whether a flow has it without being asked; None: never.
+        Whether a flow has it without a request; None: never.
     needs : set of {'contacts', 'thrust', 'slope', 'forces'}
         What is gathered for it: sums over contacts, their thrust in the bins of the profiles, a slope as if it were
         level, ``forces.csv``.
@@ -132,13 +132,13 @@ class Quantity:
         CSV tables and netCDF files of the result by their names, what figures show of result and `Gathered`, section of
         the report.
     linked : str
-        Its figure over time that stands below the player and shows the time of it; empty where there is none.
+        Its figure over time that is below the player and shows the time of it; empty where there is none.
     marked : str
         Its figure that shows the places which results mark, as the depth profile does; empty where there is none.
     marks, notes : callable(result)
         What figures of the profiles show of it; sentences for the warnings.
     summary, reads : callable
-        A result as it stands in ``summary.json``, and the result that stands there; of walls by their names, where it
+        A result as it is in ``summary.json``, and the result that is there; of walls by their names, where it
         is `named`.
     headline : tuple of HeadlineNumber
         Numbers for the top of page and screen.
@@ -151,13 +151,13 @@ class Quantity:
     label_values : callable(summary) -> mapping
         What the blanks of their labels are filled with.
     structures : callable(key, summary) -> mapping
-        Names that stand for ``*``, with the component of the force there.
+        Names that replace ``*``, with the component of the force there.
     applies : callable(key, result) -> bool
-        Whether a number goes with what was found: no length of a jump where there is none.
+        Whether a number belongs to the result: no length of a jump where there is none.
     shown : callable(summary) -> bool
         Whether page and screen show the quantity.
     defined : callable(summary) -> str
-        Definitions that the report shows behind `definitions`.
+        Definitions that the report shows after `definitions`.
     line : callable(summary) -> str
         A line below the numbers at the top; empty where there is none.
     errors : callable(result) -> sequence of (str, result or None)
@@ -169,7 +169,7 @@ class Quantity:
         Field of a result of a wall that tells of which kind it is, or a number that some have; means over starts are of
         the commonest.
     parts : mapping of str to type
-        What stands in ``summary.json`` beside the results of the walls, by its key.
+        What is in ``summary.json`` besides the results of the walls, by its key.
     """
 
     name: str
@@ -209,17 +209,17 @@ class Quantity:
     kind: str = ""
     parts: Mapping[str, Any] = field(default_factory=dict)
 
-    def read(self, found: Mapping[str, Any]) -> Any:
-        """The result that stands in its part of a summary; of walls by their names, where it is `named`."""
+    def read(self, part: Mapping[str, Any]) -> Any:
+        """The result that is in its part of a summary; of walls by their names, where it is `named`."""
         if self.reads is not None:
-            return self.reads(found)
-        return self.walls(found) if self.named else from_summary(self.result, found)
+            return self.reads(part)
+        return self.walls(part) if self.named else from_summary(self.result, part)
 
-    def walls(self, found: Mapping[str, Any]) -> dict[str, Any]:
+    def walls(self, part: Mapping[str, Any]) -> dict[str, Any]:
         """The results of walls by their names, or the one result under no name."""
         if self.named is None:
-            return {"": from_summary(self.result, found)}
-        parts = {name: one for name, one in found.items() if isinstance(one, Mapping) and name not in self.parts}
+            return {"": from_summary(self.result, part)}
+        parts = {name: one for name, one in part.items() if isinstance(one, Mapping) and name not in self.parts}
         return {name: from_summary(self.result, one) for name, one in parts.items()}
 
     def meaning(self, wanted: HeadlineNumber) -> tuple[str, str]:

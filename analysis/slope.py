@@ -18,7 +18,7 @@ from lammps_jump.analysis.jump.found import TrackedJump
 from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
+from lammps_jump.scene.motion import Motion, MovingWall, Pose, WallAtStep
 from lammps_jump.scene.walls import Wall
 
 from .contacts import ContactCollector
@@ -114,9 +114,9 @@ class _TurnedForces:
     def __init__(self, written: ContactFile, angle: float):
         self.written, self.angle = written, angle
 
-    def forces(self, *asked: Any) -> tuple[np.ndarray, np.ndarray]:
+    def forces(self, *given: Any) -> tuple[np.ndarray, np.ndarray]:
         """As of the file, along and across the bed."""
-        (fx, fy), c, s = self.written.forces(*asked), cos(self.angle), sin(self.angle)
+        (fx, fy), c, s = self.written.forces(*given), cos(self.angle), sin(self.angle)
         return c * fx - s * fy, s * fx + c * fy
 
 
@@ -132,17 +132,17 @@ def turned_flow(flow: Flow, stretch: BedStretch) -> TurnedFlow:
     return TurnedFlow(scene=scene, x_range=ends, **kept, whole=flow, stretch=stretch)
 
 
-def _turned_wall(wall: Wall, stretch: BedStretch) -> Placed:
+def _turned_wall(wall: Wall, stretch: BedStretch) -> WallAtStep:
     """A wall where it is, turned with the stretch."""
     a, (x0, y0) = -stretch.angle, stretch[:2]
     c, s = cos(a), sin(a)
-    if isinstance(wall, Placed):
+    if isinstance(wall, WallAtStep):
         body, (px, py, angle), about, (u, v, turn) = wall.body, wall.pose, wall.about, wall.rate
     else:
         body, (px, py, angle), about, (u, v, turn) = wall, Pose(), (x0, y0), Pose()
     dx, dy = about[0] + px - x0, about[1] + py - y0
     pose = Pose(x0 + c * dx - s * dy - about[0], y0 + s * dx + c * dy - about[1], angle + a)
-    return Placed(body, pose, about, Pose(c * u - s * v, s * u + c * v, turn))
+    return WallAtStep(body, pose, about, Pose(c * u - s * v, s * u + c * v, turn))
 
 
 class AlongBed:
@@ -187,8 +187,8 @@ TRACKED = ("toe", "end", "position", "reach_end", "compression")
 def in_place(jump: TrackedJump, stretch: BedStretch) -> TrackedJump:
     """The same jump with its places along x; lengths, depths and velocities stay those along and across the bed."""
 
-    def moved(found: object, names: tuple[str, ...]) -> dict[str, Any]:
-        values = {name: getattr(found, name) for name in names}
+    def moved(result: object, names: tuple[str, ...]) -> dict[str, Any]:
+        values = {name: getattr(result, name) for name in names}
         return {name: stretch.place(value) for name, value in values.items() if value is not None}
 
     track, stream, budget = jump.track, jump.stream, jump.budget

@@ -81,9 +81,9 @@ class Mean:
     error: float
 
     @classmethod
-    def of(cls, found: Estimates, key: str) -> Mean:
+    def of(cls, estimates: Estimates, key: str) -> Mean:
         """An estimate of a result, with its error."""
-        return cls(getattr(found, key), getattr(found, f"{key}_error"))
+        return cls(getattr(estimates, key), getattr(estimates, f"{key}_error"))
 
 
 def as_fields(**means: Mean) -> dict[str, Any]:

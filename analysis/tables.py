@@ -105,14 +105,14 @@ def rows_of(
     most : int
         Rows; a number that is held against two theories has two.
     """
-    found = (row for quantity, wanted in _ranked() for row in _rows(quantity, wanted, summaries, mean))
-    return [row for row, _ in zip(found, range(most), strict=False)]
+    rows = (row for quantity, wanted in _ranked() for row in _rows(quantity, wanted, summaries, mean))
+    return [row for row, _ in zip(rows, range(most), strict=False)]
 
 
 def _ranked() -> list[tuple[Quantity, HeadlineNumber]]:
-    """All numbers that may stand at the top, with their quantities, in the order of the page."""
-    found = [(quantity, wanted) for quantity in QUANTITIES.values() for wanted in quantity.headline]
-    return sorted(found, key=lambda pair: pair[0].rank if pair[1].rank is None else pair[1].rank)
+    """All numbers that may be at the top, with their quantities, in the order of the page."""
+    numbers = [(quantity, wanted) for quantity in QUANTITIES.values() for wanted in quantity.headline]
+    return sorted(numbers, key=lambda pair: pair[0].rank if pair[1].rank is None else pair[1].rank)
 
 
 def _rows(
@@ -153,24 +153,24 @@ def _rows(
 
 def value_at(summary: Mapping[str, Any], path: str) -> Any:
     """Value at a path of keys; None where there is nothing."""
-    found: object = summary
+    value: object = summary
     for key in path.split("."):
-        found = found.get(key) if isinstance(found, Mapping) else None
-    return found
+        value = value.get(key) if isinstance(value, Mapping) else None
+    return value
 
 
-def _text(found: Mean, *, alone: bool = False) -> str:
+def _text(mean: Mean, *, alone: bool = False) -> str:
     """A number in three digits, or cut to its error; `alone` leaves the error out."""
-    if isfinite(found.error) and found.error > ROUND_OFF * abs(found.value):
-        return shown(found.value, error=found.error, alone=alone).replace("-", "−")
-    if not isfinite(found.value):
+    if isfinite(mean.error) and mean.error > ROUND_OFF * abs(mean.value):
+        return shown(mean.value, error=mean.error, alone=alone).replace("-", "−")
+    if not isfinite(mean.value):
         return ABSENT
-    whole = abs(found.value) >= 999.5 or not found.value
-    return (f"{found.value:z.0f}" if whole else f"{found.value:z#.3g}".rstrip(".")).replace("-", "−")
+    whole = abs(mean.value) >= 999.5 or not mean.value
+    return (f"{mean.value:z.0f}" if whole else f"{mean.value:z#.3g}".rstrip(".")).replace("-", "−")
 
 
 def tiles(rows: Sequence[MeasuredRow], summary: Mapping[str, Any] | None = None) -> list[NumberBox]:
-    """The numbers at the top of a page; a number that is held against two theories stands once.
+    """The numbers at the top of a page; a number that is compared with two theories is listed once.
 
     One run has no interval: its numbers get the standard errors that its `summary` holds. Theory that does not apply is
     left out.
@@ -247,32 +247,32 @@ def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[fl
     return made
 
 
-def _alike(found: Sequence[Mapping[str, Any]], kind: str, mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
+def _alike(parts: Sequence[Mapping[str, Any]], kind: str, mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
     """Means of the results of one wall that are of the commonest kind; ``alike`` tells how many, of how many.
 
     A kind is what a field says, or of a number whether it is known.
     """
-    kinds = [one.get(kind) if not isinstance(one.get(kind), float) else True for one in found]
+    kinds = [one.get(kind) if not isinstance(one.get(kind), float) else True for one in parts]
     commonest = Counter(kinds).most_common(1)[0][0]
-    same = [one for one, its in zip(found, kinds, strict=True) if its == commonest]
-    return {**_means(same, mean), "alike": (len(same), len(found))}
+    same = [one for one, its in zip(parts, kinds, strict=True) if its == commonest]
+    return {**_means(same, mean), "alike": (len(same), len(parts))}
 
 
-def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
+def _means(parts: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
     """Common values of some results: means of the numbers that half of them know, of other values the commonest.
 
     What holds (a field that is true or false) holds where it does in all of them.
     """
     made: dict[str, Any] = {}
-    for key in dict.fromkeys(key for one in found for key in one):
+    for key in dict.fromkeys(key for one in parts for key in one):
         if key.endswith("_error"):
             continue
-        values = [value for one in found if (value := one.get(key)) is not None]
+        values = [value for one in parts if (value := one.get(key)) is not None]
         if any(isinstance(value, Mapping) for value in values):
             made[key] = _means([one for one in values if isinstance(one, Mapping)], mean)
         elif any(isinstance(value, float) for value in values):
             numbers = [float(one) for one in values if isinstance(one, int | float)]
-            if 2 * len(numbers) < len(found):
+            if 2 * len(numbers) < len(parts):
                 made[key] = None
                 continue
             middle = mean(numbers)
@@ -291,22 +291,22 @@ def _commonest(values: Sequence[Any]) -> Any:
 
 
 def main_numbers(summary: Mapping[str, Any]) -> list[str]:
-    """The headline of a summary; a line for each quantity: its verdict and its labelled numbers that were found."""
+    """The headline of a summary; a line for each quantity: its verdict and its labelled numbers, where it has any."""
     said = headline(summary)
     lines = [said] if said else []
     for name, quantity in QUANTITIES.items():
-        found = summary.get(name)
-        if isinstance(found, Mapping) and quantity.shown(summary) and (texts := _labelled(quantity, found)):
+        entry = summary.get(name)
+        if isinstance(entry, Mapping) and quantity.shown(summary) and (texts := _labelled(quantity, entry)):
             lines.append(f"{name}: {', '.join(texts)}")
     below = [quantity.line(summary) for quantity in QUANTITIES.values()]
     lines += filter(None, [*below, head.line(summary)])
     return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]
 
 
-def _labelled(quantity: Quantity, found: Mapping[str, Any]) -> list[str]:
-    """The verdict of a quantity, and its labelled numbers that were found."""
-    texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
-    for result in quantity.walls(found).values() if quantity.named is None else ():
+def _labelled(quantity: Quantity, entry: Mapping[str, Any]) -> list[str]:
+    """The verdict of a quantity, and its labelled numbers that the summary has."""
+    texts = [f"verdict {entry['verdict']}"] if entry.get("verdict") else []
+    for result in quantity.walls(entry).values() if quantity.named is None else ():
         for number in numbers_of(result).values():
             value = getattr(result, number.key)
             if number.label != number.meaning and known(value) and quantity.applies(number.key, result):
@@ -332,7 +332,7 @@ class _Cells(Formatter):
 
 
 def filled(template: str, row: Mapping[str, Any], absent: str = "-") -> str:
-    """Return a template, ``{engine}, {share:z.1%}``, with the values of a record; `absent` stands for None."""
+    """Returns a template, ``{engine}, {share:z.1%}``, with the values of a record; `absent` replaces None."""
     return _Cells(absent).vformat(template, (), row)
 
 
@@ -379,7 +379,7 @@ def percent(share: float | None) -> str:
 
 
 def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]:
-    """Return a column of a number with fixed decimals, and ``<name>_error`` behind it where there is one."""
+    """Returns a column of a number with fixed decimals, followed by ``<name>_error`` where there is one."""
 
     def cell(row: Mapping[str, Any]) -> str:
         value, error = row[name], row[f"{name}_error"]

@@ -24,7 +24,7 @@ import numpy as np
 
 from lammps_jump.calibration.model import Model, model_of
 from lammps_jump.calibration.posterior import log_t, sample
-from lammps_jump.calibration.search import OVER, Observed, Search, design
+from lammps_jump.calibration.search import OVER, PointResults, Search, design
 from lammps_jump.calibration.study import Calibration, read_calibration
 from lammps_jump.calibration.targets import Target
 from lammps_jump.files import plain
@@ -89,7 +89,7 @@ def study_of(kind: Kind) -> Calibration:
     return read_calibration({"case": str(CASES / f"{kind.case}.yaml"), **given, "budget": (points + 1) * MEMBERS})
 
 
-def runs_of_design(study: Calibration, folder: Path, pool: Pool) -> tuple[np.ndarray, Observed]:
+def runs_of_design(study: Calibration, folder: Path, pool: Pool) -> tuple[np.ndarray, PointResults]:
     """Points of the design, and what their runs gave."""
     folder.mkdir(parents=True, exist_ok=True)
     search = Search(study, folder, False, lambda _: None)

@@ -72,7 +72,7 @@ class RunError(JumpError, RuntimeError):
     Attributes
     ----------
     run : lammps_jump.Run or None
-        The run as far as it came; None where it did not start or was not asked for through the Python API.
+        The run as far as it came; None where it did not start or was not requested through the Python API.
     """
 
     def __init__(self, message: str = "", run: object | None = None):
@@ -95,7 +95,7 @@ class NearestNames:
         What an object of the class is, for the message: "a run".
     habits : dict of str to str
         Names that other libraries have for something of the class, and what is written here. The name ``[]`` is that of
-        brackets behind the object.
+        brackets after the object.
     """
 
     in_words = "this object"

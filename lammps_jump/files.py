@@ -142,11 +142,11 @@ that is not as of `study_files`."""
 COMPARED_FILES = ("compared.json", "compared.md", "compared.png")
 """Files that the folder of curves against measured ones holds."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
-"""First line of ``forces.csv`` where all walls stand."""
+"""First line of ``forces.csv`` where all walls are at rest."""
 
 
 def study_files(command: str) -> tuple[str, ...]:
-    """Files in the folder of a study beside run folders: results, page and pictures (names and patterns)."""
+    """Files in the folder of a study besides run folders: results, page and pictures (names and patterns)."""
     return STUDY_FILES.get(command) or (f"{command}.json", f"{command}.md", f"{command}*.png")
 
 
@@ -170,7 +170,7 @@ MOST_TEXT = 2_000_000_000
 END_OF_LINE = re.compile("\r\n|\r|\n")
 """Ends of lines of a text; a page of a browser turns each into the last."""
 NO_ROOM_BESIDE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY, errno.ENAMETOOLONG, errno.ENOTSUP, errno.EXDEV}
-"""Errors of making a file beside another, or of putting it in the other's place, though that one may be written."""
+"""Errors of making a file next to another, or of putting it in its place, though that one may be written."""
 WRITER_PATIENCE = 0.5
 """Seconds that a program which has a file open for writing gets to close it."""
 
@@ -330,7 +330,7 @@ def cut_to(path: Path, size: int) -> None:
 def whole(path: Path) -> Iterator[Path]:
     """A place in the folder of a file, which takes the file's place in one move where the block ends well.
 
-    A link that stands at the place of the file is replaced, and nothing is written through it.
+    A link that is at the place of the file is replaced, and nothing is written through it.
     """
     new, staged = path.with_name(f".{path.name}.new"), STAGING in path.parts  # brought to the disk when published
     new.unlink(missing_ok=True)  # of a process that was killed
@@ -435,12 +435,12 @@ def with_ends_of(before: str, after: str) -> str:
     lines = END_OF_LINE.split(after)
     if len(set(ends)) < 2:
         return (ends[0] if ends else "\n").join(lines)
-    old, found = END_OF_LINE.split(before), [""] * len(lines)
+    old, line_ends = END_OF_LINE.split(before), [""] * len(lines)
     for first, here, many in SequenceMatcher(None, old, lines).get_matching_blocks():
-        found[here : here + many] = [*ends, ""][first : first + many]
-    end = next(filter(None, found), ends[0])
+        line_ends[here : here + many] = [*ends, ""][first : first + many]
+    end = next(filter(None, line_ends), ends[0])
     text = []
-    for line, own in zip(lines, found, strict=True):
+    for line, own in zip(lines, line_ends, strict=True):
         end = own or end
         text += [line, end]
     return "".join(text[:-1])
@@ -451,8 +451,8 @@ def change_text(path: Path, before: str, after: str) -> str | None:
 
     Mode, owner, hard links and further attributes of the file stay, and so do the ends of its lines
     (`with_ends_of`). The file is whole before and after: a new one takes its place in one move. Where that would lose
-    hard links or the owner, or another program holds the file open, it is written in its place, with a copy beside it
-    until that is done. What another program writes meanwhile is kept. A link that stands there is not followed.
+    hard links or the owner, or another program holds the file open, it is written in its place, with a copy next to it
+    until that is done. What another program writes meanwhile is kept. A link that is there is not followed.
 
     Returns
     -------
@@ -470,10 +470,10 @@ def change_text(path: Path, before: str, after: str) -> str | None:
             return None
         if new == old:
             return before
-        found = os.fstat(file.fileno())
-        if not found.st_mode & 0o222 or not os.access(path, os.W_OK):
+        status = os.fstat(file.fileno())
+        if not status.st_mode & 0o222 or not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, "it is read-only", str(path))
-        alone = found.st_nlink == 1 and lent(file.fileno())
+        alone = status.st_nlink == 1 and lent(file.fileno())
         done = _put_in_its_place(path, file, old, new) if alone else None
     if done is None:
         done = _written_over(path, old, new)
@@ -491,23 +491,23 @@ def _holds(path: Path, file: IO[bytes], data: bytes) -> bool:
 
 def _put_in_its_place(path: Path, file: IO[bytes], old: bytes, new: bytes) -> bool | None:
     """Put a new file in the place of one that is open; whether that held `old` to the end. None: no new file can be."""
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
     try:
         try:
-            _make(beside, new, like=file)
+            _make(temporary, new, like=file)
             if not _holds(path, file, old):
                 return False
-            exchanged = _exchange(beside, path)
+            exchanged = _exchange(temporary, path)
         except OSError as error:
             if error.errno in NO_ROOM_BESIDE:
                 return None
             raise
-        if exchanged and not _came_out(beside, file, old):
-            _exchange(beside, path)
-            _keep_meanwhile(path, beside, new)
+        if exchanged and not _came_out(temporary, file, old):
+            _exchange(temporary, path)
+            _keep_meanwhile(path, temporary, new)
             return False
     finally:
-        _delete_own(beside, old, new)
+        _delete_own(temporary, old, new)
     with suppress(OSError):
         flush(path.parent)
     return True
@@ -529,11 +529,11 @@ def _make(path: Path, data: bytes, like: IO[bytes] | None = None) -> None:
 
 def _give_attributes(place: int, like: int) -> None:
     """Give an open file owner, mode and further attributes of another."""
-    found, here = os.fstat(like), os.fstat(place)
-    if (here.st_uid, here.st_gid) != (found.st_uid, found.st_gid):
-        os.fchown(place, found.st_uid, found.st_gid)
+    status, here = os.fstat(like), os.fstat(place)
+    if (here.st_uid, here.st_gid) != (status.st_uid, status.st_gid):
+        os.fchown(place, status.st_uid, status.st_gid)
     give_further_attributes(place, like)
-    os.fchmod(place, stat.S_IMODE(found.st_mode))
+    os.fchmod(place, stat.S_IMODE(status.st_mode))
 
 
 def _new(path: Path, mode: int = 0o600) -> io.BufferedWriter:
@@ -549,9 +549,9 @@ def _exchange(first: Path, second: Path) -> bool:
     return False
 
 
-def _came_out(beside: Path, file: IO[bytes], old: bytes) -> bool:
+def _came_out(temporary: Path, file: IO[bytes], old: bytes) -> bool:
     """Tells whether what an exchange has brought out is the open file, and no program has written to it."""
-    return _left(file) and _holds(beside, file, old)
+    return _left(file) and _holds(temporary, file, old)
 
 
 def _left(file: IO[bytes]) -> bool:
@@ -562,7 +562,7 @@ def _left(file: IO[bytes]) -> bool:
     return left
 
 
-def _keep_meanwhile(path: Path, beside: Path, new: bytes) -> None:
+def _keep_meanwhile(path: Path, temporary: Path, new: bytes) -> None:
     """Keep what a program has written to the new file while that was in the place of the other.
 
     Raises
@@ -570,15 +570,15 @@ def _keep_meanwhile(path: Path, beside: Path, new: bytes) -> None:
     OSError
         It was more than lines at its end; they are kept in a file, which the message names.
     """
-    with open_to_read(beside) as file:
+    with open_to_read(temporary) as file:
         alone, data = _left(file), file.read()
     if not alone or not data.startswith(new):
-        said = f"other programs write it at once; the text of one of them is in {beside}"
+        said = f"other programs write it at once; the text of one of them is in {temporary}"
         raise OSError(errno.EBUSY, said, str(path))
     if more := data.removeprefix(new):
         with open_to_write(path, append=True) as end:
             end.write(more)
-    delete(beside)
+    delete(temporary)
 
 
 def _delete_own(path: Path, *texts: bytes) -> None:
@@ -589,7 +589,7 @@ def _delete_own(path: Path, *texts: bytes) -> None:
 
 
 def _written_over(path: Path, old: bytes, new: bytes) -> bool:
-    """Write a file in its place, with a copy beside it meanwhile; False, and nothing is done, where it is another."""
+    """Writes a file in its place, with a copy next to it meanwhile; False, and nothing is done, if it is another."""
     copy = path.with_name(f".{path.name}.{secrets.token_hex(4)}.old")
     with open(path, "r+b", opener=_open_no_link) as file:
         place = file.fileno()

@@ -95,11 +95,11 @@ def read_marker(folder: Path) -> Marker | None:
 
 def require_ours(folder: Path, wanted: Marker) -> None:
     """Raise SetupError if unmarked files carry the names of a run, or if a marked folder holds something else."""
-    found = read_marker(folder)
-    if found is not None:
-        if found.kind != wanted.kind:
-            made = f"what `lammps-jump {found.kind}` has made" if COMMAND.fullmatch(found.kind) else "something else"
-            holds = HOLDS.get(found.kind, made)
+    marker = read_marker(folder)
+    if marker is not None:
+        if marker.kind != wanted.kind:
+            made = f"what `lammps-jump {marker.kind}` has made" if COMMAND.fullmatch(marker.kind) else "something else"
+            holds = HOLDS.get(marker.kind, made)
             raise SetupError(f"{folder}: holds {holds}, which would be overwritten; name another folder with --out")
         return
     names = [name for pattern in (*wanted.files, STAGING) for name in standing(folder, pattern)]
@@ -176,8 +176,8 @@ def results_folder(folder: Path, marker: Marker, of: str) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder):
             fresh = claim(folder, marker)
-            found = read_marker(folder)
-            if found is not None and (there := found.about.get(of)) != marker.about[of]:
+            known = read_marker(folder)
+            if known is not None and (there := known.about.get(of)) != marker.about[of]:
                 raise SetupError(f"{folder}: holds the {marker.kind} of {there}; name another folder with --out")
             with staging(folder) as stage:
                 yield stage
@@ -194,7 +194,7 @@ def results_folder(folder: Path, marker: Marker, of: str) -> Iterator[Path]:
 def publish(stage: Path, folder: Path) -> list[str]:
     """Move the files of a `staging` folder into their places, each in one move; their names. Links stay.
 
-    SetupError, before anything is moved, where a place is behind a link.
+    SetupError, before anything is moved, where the path to a place has a link.
     """
     files = sorted(path for path in stage.rglob("*") if path.is_file() and not path.is_symlink())
     names = [str(path.relative_to(stage)) for path in files]
@@ -209,7 +209,7 @@ def publish(stage: Path, folder: Path) -> list[str]:
 
 
 def require_no_link(folder: Path) -> None:
-    """SetupError where a link stands in the place of a folder of this program: it leads to files of others."""
+    """SetupError where a link is in the place of a folder of this program: it leads to files of others."""
     if folder.is_symlink():
         raise SetupError(f"{folder}: is a link to another place, where nothing is written; delete the link")
 
@@ -222,7 +222,7 @@ def _require_inside(folder: Path, name: str) -> None:
 
 
 def require_replaceable(folder: Path, name: str) -> None:
-    """SetupError where a file cannot be put: it stands there and is not of this program, or its folder is a link."""
+    """SetupError where a file cannot be put: it exists and is not of this program, or its folder is a link."""
     _require_inside(folder, name)
     path = folder / name
     if os.path.lexists(path):
@@ -306,7 +306,7 @@ def holder(folder: Path) -> str:
                 lock(place, shared=True)
                 alive = False
         return f"process {pid} on {host!r}" if alive else ""
-    except Exception:  # whatever stands there was written by no run
+    except Exception:  # whatever is there was written by no run
         return ""
     finally:
         os.close(place)

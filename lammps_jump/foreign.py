@@ -35,7 +35,7 @@ def foreign(kind: Callable[[str], Exception], said: str = "", remedy: str = "") 
     said : str
         File and what it is not: ``bed.dxf: is no DXF drawing``. The reason follows in brackets, or is all.
     remedy : str
-        What to do, behind a semicolon.
+        What to do, after a semicolon.
     """
     try:
         yield
@@ -93,8 +93,8 @@ def reason(error: BaseException) -> str:
         return "parts inside parts, too deep to be read"
     if isinstance(error, MemoryError):
         return "it asks for more memory than there is"
-    if callable(found := getattr(error, "errors", None)):  # of pydantic: the first place that is wrong
-        first = found()[0]
+    if callable(get_errors := getattr(error, "errors", None)):  # of pydantic: the first place that is wrong
+        first = get_errors()[0]
         return shortened(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
     if isinstance(error, UnicodeDecodeError):
         return f"is not text: byte {error.start} is not UTF-8"
@@ -106,7 +106,7 @@ def reason(error: BaseException) -> str:
 
 
 def number_of(text: str) -> float:
-    """The number of a text, NaN and infinities too; ValueError for what Python reads beside it: 4_0, other digits."""
+    """The number of a text, NaN and infinities too; ValueError for what else Python reads: 4_0, other digits."""
     if NUMBER.fullmatch(text):
         return float(text)
     raise ValueError(f"{text[:60]!r} is no number")

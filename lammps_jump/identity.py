@@ -2,7 +2,7 @@
 """Hashes that say whether two runs, or parts of them, are the same.
 
 =============  ==============================================  ===================================================
-hash           of                                              where it stands, and what is decided by it
+hash           of                                              where it is written, and what it decides
 =============  ==============================================  ===================================================
 `case_key`     fields that decide a run                        ``Case.hash``; head of ``in.lammps``: for the reader
 `shown_key`    the same, and the kernel                        ``case_hash`` of ``summary.json``: for the reader
@@ -62,7 +62,7 @@ def case_key(core: Plain) -> str:
 
 
 def shown_key(core: Plain, kernel: str) -> str:
-    """`case_key` with the kernel behind it."""
+    """`case_key` followed by the kernel."""
     return f"{case_key(core)}-{kernel}"
 
 
@@ -83,12 +83,12 @@ def analysis_key(rest: Plain, outputs: Plain) -> str:
 
 def scene_key(scene: DataclassInstance) -> str:
     """Hash of every number of a scene: another version of the program may make other numbers of the same case."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     numbers = {one.name: getattr(scene, one.name) for one in fields(scene) if one.name not in NO_NUMBERS}
     for name, value in without_later(scene, numbers).items():
-        found.update(name.encode())
-        found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
-    return found.hexdigest()
+        digest.update(name.encode())
+        digest.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
+    return digest.hexdigest()
 
 
 def without_later(of: DataclassInstance | type[DataclassInstance], values: Plain) -> dict[str, object]:

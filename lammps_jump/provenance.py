@@ -37,8 +37,8 @@ __version__ = package_version("lammps-jump") or "unknown"
 def versions(*more: str) -> dict[str, str]:
     """Versions that a result depends on: of Python, this program, numpy and `more` packages."""
     packages = ("lammps-jump", "numpy", *more)
-    found = {package.replace("-", "_"): package_version(package) for package in packages}
-    return {"python": platform.python_version(), **{name: text for name, text in found.items() if text}}
+    version_of = {package.replace("-", "_"): package_version(package) for package in packages}
+    return {"python": platform.python_version(), **{name: text for name, text in version_of.items() if text}}
 
 
 def machine() -> dict[str, str | int | None]:

@@ -43,7 +43,7 @@ def one_line(text: str) -> str:
 
 
 def is_hidden(letter: str) -> bool:
-    """Tells whether a character does more than stand there: control, format, surrogate, line separator."""
+    """Tells whether a character is not a visible one: control, format, surrogate, line separator."""
     return unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") and letter not in JOINERS
 
 

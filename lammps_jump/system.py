@@ -113,7 +113,7 @@ def started(pid: int) -> int:
 def shared_memory(name: str) -> list[Path]:
     """Files of shared memory that this process uses and whose names, a pattern, are there; none but on Linux."""
     mapped = told("/proc/self/maps")
-    return sorted({Path(found) for found in re.findall(rf"(/dev/shm/{name})$", mapped, re.MULTILINE)})
+    return sorted({Path(name_found) for name_found in re.findall(rf"(/dev/shm/{name})$", mapped, re.MULTILINE)})
 
 
 @contextmanager
@@ -189,7 +189,7 @@ def lent(place: int, *, whole: bool = False) -> bool:
     if not hasattr(fcntl, "F_SETLEASE"):
         return True
     try:
-        # a program that waits is told by this signal, which is ignored; the usual one would end this process
+        # a program that waits is notified by this signal, which is ignored; the usual one would end this process
         fcntl.fcntl(place, fcntl.F_SETSIG, signal.SIGURG)
         fcntl.fcntl(place, fcntl.F_SETLEASE, fcntl.F_WRLCK if whole else fcntl.F_RDLCK)
         if not whole:

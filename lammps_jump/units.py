@@ -80,7 +80,7 @@ def estimate(unit: str, meaning: str, *, label: str = "", interval: str = "") ->
 
 
 class Estimates:
-    """Base of results: behind each `estimate` stands its standard error ``<name>_error``, or ``<name>_interval``.
+    """Base of results: each `estimate` is followed by its standard error ``<name>_error``, or ``<name>_interval``.
 
     Names in ``lower_bounds`` are of numbers whose error one run cannot tell: it is a lower bound.
     """
@@ -110,11 +110,11 @@ class Sure(NamedTuple):
     bound: bool = False
 
 
-def sure_of(found: object, key: str) -> Sure:
+def sure_of(result: object, key: str) -> Sure:
     """Certainty of a number of a result."""
-    values = (getattr(found, f"{key}{ending}", None) for ending in ("_error", "_interval"))
+    values = (getattr(result, f"{key}{ending}", None) for ending in ("_error", "_interval"))
     known = next((value for value in values if value is not None and value == value), None)
-    return Sure(known, key in getattr(found, "lower_bounds", ()))
+    return Sure(known, key in getattr(result, "lower_bounds", ()))
 
 
 def known(value: object) -> bool:
@@ -129,37 +129,37 @@ def numbers_of(result: object) -> dict[str, Number]:
 
 
 def as_summary(result: object) -> dict[str, object]:
-    """Fields of a result as they stand in ``summary.json``, results inside it as mappings.
+    """Fields of a result as they are in ``summary.json``, results inside it as mappings.
 
     Fields with ``metadata={"summary": False}`` (arrays, inputs of figures) are left out; ``metadata={"key": …}`` names
     a field that Python cannot name.
     """
-    found: dict[str, object] = {}
+    data: dict[str, object] = {}
     for field in dataclasses.fields(result):  # type: ignore[arg-type]
         if field.metadata.get("summary", True):
             value = getattr(result, field.name)
-            found[field.metadata.get("key", field.name)] = (
+            data[field.metadata.get("key", field.name)] = (
                 as_summary(value) if dataclasses.is_dataclass(value) else value
             )
-    return found
+    return data
 
 
 Result = TypeVar("Result")
 
 
-def from_summary(result: type[Result], found: Mapping[str, Any]) -> Result:
-    """A result as it stands in ``summary.json``: what `as_summary` was made of.
+def from_summary(result: type[Result], data: Mapping[str, Any]) -> Result:
+    """A result as it is in ``summary.json``: what `as_summary` was made of.
 
-    Where null stands for a number it is NaN, for all else the default. What stands in no summary has its default, None
+    Where null replaces a number it is NaN, for all else the default. What is in no summary has its default, None
     without one.
     """
     given: dict[str, Any] = {}
     kinds = _kinds(cast(Hashable, result))
     for field in dataclasses.fields(result):  # type: ignore[arg-type]
-        kind, value = kinds[field.name], found.get(field.metadata.get("key", field.name))
-        stands = field.metadata.get("summary", True) and (value is not None or kind is float)
+        kind, value = kinds[field.name], data.get(field.metadata.get("key", field.name))
+        is_stored = field.metadata.get("summary", True) and (value is not None or kind is float)
         lacks = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-        if stands or lacks:
+        if is_stored or lacks:
             given[field.name] = _as(kind, value)
     return result(**given)
 
@@ -228,7 +228,7 @@ def shown(
     value : float, int, bool, str or None
         None and NaN become a dash, booleans yes and no.
     unit : str
-        Put behind the number.
+        Put after the number.
     error : float, optional
         In the same unit. It has two digits, and the value is rounded to the second of them.
     digits : int
@@ -292,8 +292,8 @@ class InUnit(FieldUnit):
         """For editors: a number within its range, or text."""
         known = handler(schema)
         bounds = {other: known[key] for name, other in BOUNDS.items() for key in (name, other) if key in known}
-        told = {"title": known["title"]} if "title" in known else {}
-        return {"anyOf": [{"type": "number", **bounds}, {"type": "string"}], "unit": self.unit or "1", **told}
+        titled = {"title": known["title"]} if "title" in known else {}
+        return {"anyOf": [{"type": "number", **bounds}, {"type": "string"}], "unit": self.unit or "1", **titled}
 
 
 Metre = Annotated[float, InUnit("m", "20 cm", "mm, um, km, ft, in")]

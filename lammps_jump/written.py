@@ -90,7 +90,7 @@ def to_number(value: Any, wanted: FieldUnit) -> Any:
 
 
 def whole(value: Any) -> Any:
-    """A count as it stands, or of text.
+    """A count as given, or of text.
 
     Raises
     ------
@@ -114,10 +114,10 @@ def is_quantity(text: str) -> bool:
 
 def angle_of(value: object) -> float | None:
     """The angle that a text gives, degrees; None for other text and all else."""
-    if not isinstance(value, str) or not (found := _QUANTITY.fullmatch(value)) or found[2] is None:
+    if not isinstance(value, str) or not (match := _QUANTITY.fullmatch(value)) or match[2] is None:
         return None
     try:
-        return _converted(value, float(found[1]), found[2], FieldUnit("degree"))
+        return _converted(value, float(match[1]), match[2], FieldUnit("degree"))
     except ValueError:
         return None
 
@@ -131,10 +131,10 @@ def _from_text(text: str, wanted: FieldUnit) -> float:
     # pint evaluates malformed numbers instead of refusing them: 0.1.2 gives 0.02, 1:30 gives 30, 1 000 gives 0
     if problem := problem_of(text):
         raise ValueError(f"{echoed(text)} {problem}; expected {wanted.expected}")
-    found = _QUANTITY.fullmatch(text)
-    if not found:
+    match = _QUANTITY.fullmatch(text)
+    if not match:
         raise ValueError(f"{echoed(text)} is not one number with or without a unit; expected {wanted.expected}")
-    number, unit = float(found[1]), found[2]
+    number, unit = float(match[1]), match[2]
     if unit is None or not isfinite(number):
         return number
     if wanted.slope and (angle := angle_of(text)) is not None:
@@ -169,16 +169,16 @@ def _converted(text: str, number: float, unit: str, wanted: FieldUnit) -> float:
 
 @lru_cache(maxsize=1000)
 def _parsed(unit: str) -> Any:
-    """A unit of pint; powers may stand without their sign: cm3, s-1."""
+    """A unit of pint; powers may be without their sign: cm3, s-1."""
     registry = _registry()
 
     def power(part: str) -> str:
-        found = _BARE_POWER.fullmatch(part)
-        if found is None or (found[0].isalnum() and found[0] in registry):  # a sign would be calculated
+        match = _BARE_POWER.fullmatch(part)
+        if match is None or (match[0].isalnum() and match[0] in registry):  # a sign would be calculated
             return part
-        return f"{found[1]}**{found[2]}"
+        return f"{match[1]}**{match[2]}"
 
-    text = re.sub("⁻([¹²³⁴])", lambda found: f"-{unicodedata.digit(found[1])}", re.sub("[·⋅]", "*", unit))
+    text = re.sub("⁻([¹²³⁴])", lambda match: f"-{unicodedata.digit(match[1])}", re.sub("[·⋅]", "*", unit))
     return registry.parse_units("".join(map(power, re.split(r"(\s*[*/]\s*|\s+)", text))))
 
 
@@ -186,20 +186,20 @@ def _powers(unit: Any) -> list[tuple[str, float]]:
     """Names in a unit with their powers."""
     from pint.util import to_units_container
 
-    found: Any = to_units_container(unit, _registry())
-    return [(name, float(power)) for name, power in found.items()]
+    container: Any = to_units_container(unit, _registry())
+    return [(name, float(power)) for name, power in container.items()]
 
 
 def _dimension(unit: Any) -> tuple[tuple[str, float], ...]:
     """Base units of a unit with their powers. To pint radian and count are base units, though without a dimension."""
-    registry, found = _registry(), dict[str, float]()
+    registry, powers = _registry(), dict[str, float]()
     for name, power in _powers(unit):
         root = _powers(registry.get_root_units(name)[1])
         if not root and name not in _SHARES:  # a constant, or a step of a logarithm
-            found[f"{name} itself"] = power
+            powers[f"{name} itself"] = power
         for base, exponent in root:
-            found[base] = found.get(base, 0.0) + power * exponent
-    return tuple(sorted((base, round(power, 9)) for base, power in found.items() if power))
+            powers[base] = powers.get(base, 0.0) + power * exponent
+    return tuple(sorted((base, round(power, 9)) for base, power in powers.items() if power))
 
 
 def _other_letters(unit: str, wanted: FieldUnit) -> str:
@@ -239,12 +239,12 @@ def problem_of(text: str) -> str:
     bare = text.strip()
     if strange := next((letter for letter in bare if _is_strange(letter)), None):
         return _of_strange(strange, bare)
-    if found := _GROUPED.match(bare):
-        return _of_groups(found)
-    if found := _COMMA.match(bare):
-        return f"has a decimal comma; decimals have a point: write {found[1]}.{found[2]}{bare[found.end() :]}"
-    if found := _POWER_OF_TEN.match(bare):
-        return f"has a power of ten beside its number; write {found[1]}e{int(found[2])}{bare[found.end() :]}"
+    if match := _GROUPED.match(bare):
+        return _of_groups(match)
+    if match := _COMMA.match(bare):
+        return f"has a decimal comma; decimals have a point: write {match[1]}.{match[2]}{bare[match.end() :]}"
+    if match := _POWER_OF_TEN.match(bare):
+        return f"has a power of ten beside its number; write {match[1]}e{int(match[2])}{bare[match.end() :]}"
     return ""
 
 
@@ -255,20 +255,20 @@ def _is_strange(letter: str) -> bool:
 
 
 def _of_strange(letter: str, text: str) -> str:
-    told = f"U+{ord(letter):04X}"
+    letter_name = f"U+{ord(letter):04X}"
     if letter.isdecimal():
         plain = "".join(str(unicodedata.decimal(one)) if one.isdecimal() else one for one in text)
-        return f"has a digit of another script ({told}); write {plain}"
+        return f"has a digit of another script ({letter_name}); write {plain}"
     if is_hidden(letter):
-        return f"has a letter that cannot be seen ({told}); write {text.replace(letter, '')}"
+        return f"has a letter that cannot be seen ({letter_name}); write {text.replace(letter, '')}"
     sign, name = ("+", "plus") if letter == "\uff0b" else ("-", "minus")
-    return f"has a sign or dash ({told}) that is no {name} of a number; write {sign} (U+{ord(sign):04X})"
+    return f"has a sign or dash ({letter_name}) that is no {name} of a number; write {sign} (U+{ord(sign):04X})"
 
 
-def _of_groups(found: re.Match[str]) -> str:
+def _of_groups(match: re.Match[str]) -> str:
     """Digits in groups of three, which a comma and a point may also be of a decimal fraction."""
-    whole, sign, point, more = found.groups()
-    rest = found.string[found.end() :]
+    whole, sign, point, more = match.groups()
+    rest = match.string[match.end() :]
     joined = whole.replace(sign, "") + (f".{more}" if more else "") + rest
     if sign == "." and not (point or whole.count(sign) > 1):
         return ""  # 1.000 is one
@@ -288,12 +288,12 @@ _NAMES = {
 
 
 def name_of(letter: str) -> str:
-    """A blank or sign in words, with its code where it cannot be told from another: a no-break space (U+00A0)."""
+    """A blank or sign in words, with its code where it looks the same as another: a no-break space (U+00A0)."""
     known = _NAMES.get(letter) or ("a space" if letter.isspace() else "a letter that cannot be seen")
     return known if letter.isascii() and letter != "\t" else f"{known} (U+{ord(letter):04X})"
 
 
 def odd_blank(text: str) -> str:
     """The first blank of a text that YAML does not take for one, or letter that cannot be seen, in words; or empty."""
-    found = (letter for letter in text if letter not in " \r\n" and (letter.isspace() or is_hidden(letter)))
-    return next(map(name_of, found), "")
+    letters = (letter for letter in text if letter not in " \r\n" and (letter.isspace() or is_hidden(letter)))
+    return next(map(name_of, letters), "")

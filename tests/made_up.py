@@ -19,7 +19,7 @@ from hypothesis import settings
 import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
-from lammps_jump.analysis.pipeline import Later
+from lammps_jump.analysis.pipeline import Deferred
 from lammps_jump.cli.app import main
 from lammps_jump.dump.check import FrameCheck, damages, force_troubles
 from lammps_jump.dump.find import read_dump
@@ -217,7 +217,7 @@ def choose_to_stop_at(step: int):
 def without_analysis(monkeypatch) -> None:
     """No figures and no tables, which take seconds; the frames are checked all the same."""
 
-    def analyse(case, flow, folder, out, packer, watch=(), gathered=None, told=None):
+    def analyse(case, flow, folder, out, packer, watch=(), gathered=None, report=None):
         (out / "profiles.nc").write_text(f"of {case.name}")
         source = read_dump(folder) if gathered is None else gathered
         for frame in source if gathered is None else ():
@@ -239,7 +239,7 @@ def blank_figures(names, shown, folder, dump, flow, ending="png", **more) -> Non
 @contextmanager
 def on_the_spot(work, *given, **named):
     """In place of `lammps_jump.analysis.pipeline.aside`, whose second process costs more than blank figures."""
-    done = Later()
+    done = Deferred()
     done.value = work(*given, **named)
     yield done
 

@@ -12,7 +12,7 @@ from made_up import BOX
 
 from lammps_jump.calibration import besides, page
 from lammps_jump.calibration.calibrate import calibrate
-from lammps_jump.calibration.search import Observed, Search
+from lammps_jump.calibration.search import PointResults, Search
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.identity import short_hash
 from lammps_jump.sweeps.members import MemberRun
@@ -72,10 +72,10 @@ class StandIn:
             found.append(MemberRun(start, store, nested(self.run_of(start.changes, start.seed)), ""))
         return found
 
-    def __call__(self, search: Search, pool: Any) -> Observed:
+    def __call__(self, search: Search, pool: Any) -> PointResults:
         points = [dict(zip(search.study.paths, point, strict=True)) for point in search.points.tolist()]
         shape = len(points), search.study.members
-        seen = Observed({one.name: np.full((*shape, len(one.measured)), np.nan) for one in search.study.targets})
+        seen = PointResults({one.name: np.full((*shape, len(one.measured)), np.nan) for one in search.study.targets})
         search.refused = dict.fromkeys(range(len(points)), "")
         for number, values in enumerate(points):
             for start in range(search.study.members):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Depth by mass beside that of the surface: of touching discs they are alike, whatever the discs are.
+"""Depth by mass compared with that of the surface: of touching discs they are alike, whatever the discs are.
 
 Discs in squares have the same of both, dense random ones 4 % more by mass, a crystal 15 %. Where the depth by mass is
 half as much again, the diameter is too large, or discs lie behind each other. Where it is half, there is air below.
@@ -47,9 +47,9 @@ def depths_of(profiles: xr.Dataset, flow: Flow, largest: float) -> Depths:
     piled = np.nan_to_num(surface) >= PILED * largest
     if not piled.any():
         return Depths(reason=f"discs lie nowhere {PILED:zg} diameters deep on the bed in the mean of the window")
-    found = float(mass[piled].mean()), float(surface[piled].mean())
+    means = float(mass[piled].mean()), float(surface[piled].mean())
     length = float(piled.sum() * flow.bin_width)
-    return Depths(*found, found[0] / found[1], float(surface[piled].max()), length)
+    return Depths(*means, means[0] / means[1], float(surface[piled].max()), length)
 
 
 def analyse(gathered: Gathered) -> Depths:
@@ -65,14 +65,14 @@ def require_agreement(gathered: Gathered) -> str:
     DumpError
         The depth by mass is too large: discs overlap, or lie behind each other.
     """
-    found, flow = analyse(gathered), gathered.flow
-    if not abs(found.ratio - 1.0) > FAR:
+    depths, flow = analyse(gathered), gathered.flow
+    if not abs(depths.ratio - 1.0) > FAR:
         return ""
     said = (
-        f"the depth by mass is {shown(found.mass)} m, that of the surface {shown(found.surface)} m: "
-        f"{shown(found.ratio, digits=2)} times, where touching discs have 0.8 to 1.2"
+        f"the depth by mass is {shown(depths.mass)} m, that of the surface {shown(depths.surface)} m: "
+        f"{shown(depths.ratio, digits=2)} times, where touching discs have 0.8 to 1.2"
     )
-    if found.ratio > 1:
+    if depths.ratio > 1:
         raise DumpError(
             f"{flow.scene.name}: {said}. Discs of {flow.scene.diameter:z.4g} m overlap, or lie behind each other. Give "
             "the right diameter (--diameter), or write a dump of one layer of discs."

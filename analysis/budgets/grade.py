@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FLOWS = 0.2
 """Share of the largest discharge of the window that a bin has to carry."""
 STILL = 0.02
-"""Below this share of sqrt(g s) discs stand, and no stream runs."""
+"""Below this share of sqrt(g s) discs are at rest, and no stream runs."""
 SAME = 0.1
 """Share by which the discharges at two stations may differ: what is stored between them is no loss."""
 EVERY_WAY = 10.0
@@ -117,8 +117,8 @@ def line_of(profiles: xr.Dataset, flow: Flow) -> GradeLine | str:
     wet = (depth > 0.5 * flow.scene.diameter) & np.isfinite(bed)
     towards = -1 if discharge[wet].sum() < 0 else 1
     stream = wet & (towards * discharge > FLOWS * np.abs(discharge[wet]).max(initial=0.0))
-    stands = np.abs(discharge) < STILL * np.sqrt(g * np.maximum(depth, 0.0)) * depth
-    if stream.sum() < max(FEWEST, 0.5 * wet.sum()) or np.median(stands[stream]) > 0:
+    is_still = np.abs(discharge) < STILL * np.sqrt(g * np.maximum(depth, 0.0)) * depth
+    if stream.sum() < max(FEWEST, 0.5 * wet.sum()) or np.median(is_still[stream]) > 0:
         return "no stream runs along the bed in the window"
     across, along = flow.gravity / g, flow.scene.gravity[0] / g
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -136,7 +136,7 @@ def line_of(profiles: xr.Dataset, flow: Flow) -> GradeLine | str:
 
 def _stations(line: GradeLine, places: tuple[float, ...]) -> tuple[Station, ...]:
     """Stations along the stream at the bins that hold these places, m; NaN where no stream runs."""
-    found: list[Station] = []
+    stations: list[Station] = []
     before = -1
     for place in sorted(places, key=lambda x: line.towards * x):
         k = int(np.argmin(np.abs(line.x - place)))
@@ -144,9 +144,9 @@ def _stations(line: GradeLine, places: tuple[float, ...]) -> tuple[Station, ...]
             name: float(getattr(line, name)[k]) for name in ("bed", "depth", "discharge", "velocity_head", "head")
         }
         lost = mean_of(line.series[:, before] - line.series[:, k]) if before >= 0 and _alike(line, before, k) else None
-        found.append(Station(x=float(place), **values, **(as_fields(lost=lost) if lost else {})))
+        stations.append(Station(x=float(place), **values, **(as_fields(lost=lost) if lost else {})))
         before = k
-    return tuple(found)
+    return tuple(stations)
 
 
 def _alike(line: GradeLine, one: int, two: int) -> bool:
@@ -163,8 +163,8 @@ def analyse(gathered: Gathered) -> Grade:
     if isinstance(line, str):
         return Grade(reason=line)
     ends = line.x[np.flatnonzero(np.isfinite(line.head))[[0, -1]]]
-    asked = flow.heads_at or flow.scene.gauges
-    places = tuple(asked) if len(asked) > 1 else tuple(float(x) for x in ends)
+    heads_at = flow.heads_at or flow.scene.gauges
+    places = tuple(heads_at) if len(heads_at) > 1 else tuple(float(x) for x in ends)
     stations = _stations(line, places)
     first, last = stations[0], stations[-1]
     whole = _stations(line, (first.x, last.x))[-1]
@@ -189,15 +189,15 @@ def _why_no_loss(line: GradeLine, first: Station, last: Station) -> str:
     low, high = sorted((first.x, last.x))
     stored = float(line.filling[(line.x > low) & (line.x < high)].sum())
     missing = abs(first.discharge) - abs(last.discharge)
-    told = (
+    prefix = (
         f"the discharge is {first.discharge:z.3g} m2/s at x = {first.x:z.4g} m and {last.discharge:z.3g} m2/s at "
         f"{last.x:z.4g} m: "
     )
     if abs(missing - stored) < 0.5 * abs(missing):
-        return f"{told}the flow is not steady in the window, and what it stores ({stored:z.3g} m2/s) is no loss"
+        return f"{prefix}the flow is not steady in the window, and what it stores ({stored:z.3g} m2/s) is no loss"
     return (
-        f"{told}what the flow stores between them ({stored:z.3g} m2/s) is not the difference, so that discs come or go "
-        "there; take stations on one side of that place"
+        f"{prefix}what the flow stores between them ({stored:z.3g} m2/s) is not the difference, so that discs come or "
+        "go there; take stations on one side of that place"
     )
 
 

@@ -76,14 +76,14 @@ class EnergyFluxes:
         energy = 0.5 * (u * u + v * v) + flow.gravity * height - flow.scene.gravity[0] * x
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
-        # behind the discs stands one that never moves: the walls
+        # the discs are followed by one that never moves: the walls
         weight = np.multiply.outer(flow.scene.gravity, mass)
         state = np.pad([u, v, 0.5 * flow.time_step / mass, *weight], [(0, 0), (0, 1)])
-        found = touching(frame, flow)
-        which, first, second = (part.astype(np.int64) for part in (found.law, found.first, found.second))
+        pairs = touching(frame, flow)
+        which, first, second = (part.astype(np.int64) for part in (pairs.law, pairs.first, pairs.second))
         _contact_fields(
             n=len(first), laws=flow.laws, which=which, first=first, second=second, x=x, state=state, discs=frame.n + 1,
-            contact=np.array(found[2:6], float), rounds=self.rounds, low=low, width=width, bins=bins, fields=fields,
+            contact=np.array(pairs[2:6], float), rounds=self.rounds, low=low, width=width, bins=bins, fields=fields,
         )  # fmt: skip
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
@@ -111,8 +111,8 @@ def energy_budget(fields: xr.Dataset | None, result: Jump) -> Budget | None:
     """
     if fields is None or not isinstance(result, MeasuredJump):
         return None
-    found = _budget_of_jump(fields, result)
-    return None if found is None or moved_between(result.flow, found) else found
+    budget = _budget_of_jump(fields, result)
+    return None if budget is None or moved_between(result.flow, budget) else budget
 
 
 def moved_between(flow: Flow, budget: Budget) -> str:
@@ -129,17 +129,17 @@ def moved_between(flow: Flow, budget: Budget) -> str:
 
 def _budget_of_jump(fields: xr.Dataset, result: MeasuredJump) -> Budget | None:
     """Budget of a jump, whatever moves between the stations."""
-    asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
-    if asked is None:
+    stations, time, sign = result.flow.scene.stations, result.track.time, result.direction
+    if stations is None:
         return budget_between(fields, result, (result.upstream.middle, result.downstream.middle))
-    first, last = (result.flow.scene.time(step) for step in (asked.first_step, asked.last_step))
+    first, last = (result.flow.scene.time(step) for step in (stations.first_step, stations.last_step))
     half = 0.5 * float(np.diff(time).min())
-    used, speed = (time > first - half) & (time < last + half), sign * asked.speed
-    start = min(sign * x for x in asked.x) - speed * first  # of the station upstream, along the stream
-    found = budget_between(fields, result, (0.0, asked.x[1] - asked.x[0]), (start, speed), used)
+    used, speed = (time > first - half) & (time < last + half), sign * stations.speed
+    start = min(sign * x for x in stations.x) - speed * first  # of the station upstream, along the stream
+    budget = budget_between(fields, result, (0.0, stations.x[1] - stations.x[0]), (start, speed), used)
     front = result.motion.turned(sign)
     off = front.start - start + (front.speed - speed) * 0.5 * (first + last)  # the front, half-way
-    return found and replace(found, start=found.start - off, stop=found.stop - off)
+    return budget and replace(budget, start=budget.start - off, stop=budget.stop - off)
 
 
 def budget_between(
@@ -214,8 +214,8 @@ def why_none(fields: xr.Dataset | None, result: Jump) -> str:
     """Why there is no budget of a jump, as a sentence; empty where its stations are not in the frames."""
     if fields is None or not isinstance(result, MeasuredJump):
         return no_budget(result.flow) if isinstance(result, MeasuredJump) else ""
-    found = _budget_of_jump(fields, result)
-    name = moved_between(result.flow, found) if found else ""
+    budget = _budget_of_jump(fields, result)
+    name = moved_between(result.flow, budget) if budget else ""
     return name and (
         f"Frames give no head lost: wall '{name}' moves between the stations, and its work is not counted there. "
         "The native engine counts it at every step (probes.stations)."
@@ -266,12 +266,12 @@ def line(summary: Mapping[str, Any]) -> str:
 
 
 def section(summary: Mapping[str, Any]) -> Section | None:
-    """Budget of the ledger, beside that of the frames between the same stations; None without stations."""
+    """Budget of the ledger, with that of the frames between the same stations; None without stations."""
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
         return None
-    found = (summary.get("jump") or {}).get("budget")
-    frames = from_summary(Budget, found) if found else None
+    budget = (summary.get("jump") or {}).get("budget")
+    frames = from_summary(Budget, budget) if budget else None
     rows = [(words, _metres(ledger[f"stations_{key}"]), _of_frames(frames, key)) for key, words in ROWS.items()]
     text = f"Energy between stations at {place(ledger)}. Heads are energies over g and the mass that came in."
     if frames is None:

@@ -22,24 +22,24 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.units import Estimates, estimate, number
 
 LARGEST_LOSS = 5e-3
-"""Relative difference of the discharge delivered and asked for that is not remarked on."""
+"""Relative difference of delivered and requested discharge that is not remarked on."""
 SHORT = 0.05
-"""Share of the discharge asked for that may be missing where discs pass a structure, beside twice its error."""
+"""Share of the requested discharge that may be missing where discs pass a structure, besides twice its error."""
 STATION = (1.0, 6.0)
-"""Stretch behind the inlet over which the stream is averaged, in depths of the inflow."""
+"""Stretch downstream of the inlet over which the stream is averaged, in depths of the inflow."""
 MOST_CELLS = 20_000_000
-"""Discs times turns between two frames above which refused turns are not told row by row."""
+"""Discs times turns between two frames above which refused turns are not listed row by row."""
 
 
 @dataclass(frozen=True)
 class Arrivals:
-    """Discs that came in between one frame and the next, and the stream behind the inlet at each frame.
+    """Discs that came in between one frame and the next, and the stream downstream of the inlet at each frame.
 
     Attributes
     ----------
     time : ndarray, shape (frames,), s
     turns, entered : ndarray of int, shape (frames, rows)
-        Turns of each row since the frame before, and discs that entered; -1 where the rows cannot be told.
+        Turns of each row since the frame before, and discs that entered; -1 where the rows are unknown.
     discs : ndarray of int, shape (frames,)
         Discs that entered since the frame before, all rows together.
     area : ndarray, shape (frames, rows)
@@ -47,7 +47,7 @@ class Arrivals:
     age : ndarray, shape (frames,)
         Sum of their squared diameters times their time in the flow at the frame, m^2 s.
     stream : ndarray, shape (frames, 3)
-        Mass depth (m), discharge (m^2/s) and momentum flux over density (m^3/s^2) behind the inlet.
+        Mass depth (m), discharge (m^2/s) and momentum flux over density (m^3/s^2) downstream of the inlet.
     pushed : ndarray, shape (frames, 2)
         Sum of the discs' squared diameters times their velocities at their entry, m^3/s.
     """
@@ -112,7 +112,7 @@ class InflowCounter:
         return in_order(heights, np.array([row.y for row in self.rows])[turns])
 
     def _stream(self, frame: Frame) -> np.ndarray:
-        """Depth, discharge and momentum flux behind the inlet, shape (3,).
+        """Depth, discharge and momentum flux downstream of the inlet, shape (3,).
 
         Each disc counts with the weight 1 - cos(2 pi s) over the stretch, s from 0 to 1: equally spaced discs then give
         their mean at every frame, where sharp ends would count one more or one less.
@@ -178,7 +178,7 @@ class RowDelivery:
 
 @dataclass(frozen=True)
 class Delivery(Estimates):
-    """Inflow as asked for and as delivered; means are over the window, counts over the whole record."""
+    """Inflow as requested and as delivered; means are over the window, counts over the whole record."""
 
     asked: float = number("m^2/s", "discharge asked for, Va y₁", label="asked")
     planned: float = number("m^2/s", "discharge of the rows, in whole steps")
@@ -226,7 +226,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     turns = arrivals.turns.sum(axis=0)
     tried = int(turns.sum())
     lost = tried - int(arrivals.discs.sum())
-    told = not (arrivals.entered < 0).any()
+    is_known = not (arrivals.entered < 0).any()
     refused = turns - arrivals.entered.sum(axis=0)
     depth, discharge, momentum = (mean_of(series) for series in arrivals.stream[inside].T)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -235,8 +235,8 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     y1, va = plan.depth, plan.speed
     asked, total, across = y1 * abs(va), float(delivered.sum()), flow.gravity
     of_rows = zip(rows, plan.speeds, plan.intervals, plan.discharges, delivered, turns, refused, strict=True)
-    found = [
-        RowDelivery(row.y, float(v), float(t), float(q), float(got), int(n), int(no) if told else None)
+    deliveries = [
+        RowDelivery(row.y, float(v), float(t), float(q), float(got), int(n), int(no) if is_known else None)
         for row, v, t, q, got, n, no in of_rows
     ]
     low, high = sorted(float(rows[0].x + np.sign(rows[0].vx) * share * _reach(flow)) for share in STATION)
@@ -254,7 +254,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
         momentum_planned=float(plan.discharges @ np.abs(plan.speeds)),
         **as_fields(depth=depth, speed=speed, momentum=momentum, **_sequent(depth, speed, across)),
         station=(low, high),
-        rows=tuple(found),
+        rows=tuple(deliveries),
         notes=() if abs(total - asked) < whole else _notes(total, asked, lost, tried, _blocked(arrivals)),
     )
 
@@ -318,7 +318,7 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
 
 
 def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
-    """A sentence that counts the runs with less discharge than was asked for, at the inlet or past a structure.
+    """A sentence that counts the runs with less discharge than requested, at the inlet or past a structure.
 
     It is empty where no run is short.
 
@@ -327,10 +327,10 @@ def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
     summaries : sequence of mapping
         ``inflow`` and ``overtopping`` as in ``summary.json``; each may be absent.
     """
-    short = [found for summary in summaries if (found := _shortfall_of(summary))]
+    short = [lack for summary in summaries if (lack := _shortfall_of(summary))]
     if not short:
         return ""
-    asked, came, _ = zip(*short, strict=True)
+    target, came, _ = zip(*short, strict=True)
     passed: dict[str, list[float]] = {}
     for one in short:
         for name, rate in one.passed.items():
@@ -339,18 +339,18 @@ def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
     went = "".join(f", {_span(rates)} passed {name}" for name, rates in passed.items())
     why = ". What did not pass is still before it or left elsewhere: run longer, with a later analysis.window"
     return (
-        f"the inflow fell short{runs}: {_span(asked)} m²/s asked for, {_span(came)} came in{went}{why if went else ''}"
+        f"the inflow fell short{runs}: {_span(target)} m²/s asked for, {_span(came)} came in{went}{why if went else ''}"
     )
 
 
 def line(summary: Mapping[str, Any]) -> str:
-    """Sentence on a structure that less passed than came in; what did not come in stands among the notes."""
+    """Sentence on a structure that less passed than came in; what did not come in is among the notes."""
     found = _shortfall_of(summary)
     return shortfall([summary]) if found and found.passed else ""
 
 
 class _Shortfall(NamedTuple):
-    """Discharge that was asked for and that came in, and of structures that less passed what passed, m^2/s."""
+    """Discharge that was requested and that came in, and of structures that less passed what passed, m^2/s."""
 
     asked: float
     came: float
@@ -360,12 +360,14 @@ class _Shortfall(NamedTuple):
 def _shortfall_of(summary: Mapping[str, Any]) -> _Shortfall | None:
     """That of one run; None where it is not short, or where nothing is known of its inflow."""
     inflow = summary.get("inflow") or {}
-    asked, came = inflow.get("asked"), inflow.get("delivered")
-    if not asked or came is None:
+    requested, came = inflow.get("asked"), inflow.get("delivered")
+    if not requested or came is None:
         return None
     through = {name: _through(one) for name, one in (summary.get("overtopping") or {}).items()}
-    passed = {name: rate for name, (rate, error) in through.items() if rate + max(SHORT * asked, 2 * error) < asked}
-    return _Shortfall(asked, came, passed) if passed or came < (1 - LARGEST_LOSS) * asked else None
+    passed = {
+        name: rate for name, (rate, error) in through.items() if rate + max(SHORT * requested, 2 * error) < requested
+    }
+    return _Shortfall(requested, came, passed) if passed or came < (1 - LARGEST_LOSS) * requested else None
 
 
 def _through(one: Mapping[str, Any]) -> tuple[float, float]:
@@ -381,24 +383,24 @@ def _span(values: Sequence[float]) -> str:
     return " to ".join(ends)
 
 
-def section(found: Delivery) -> Section:
-    """Discharge asked for and delivered, row by row; the stream behind the inlet."""
+def section(delivery: Delivery) -> Section:
+    """Discharge requested and delivered, row by row; the stream downstream of the inlet."""
     stream: list[Sequence[Value]] = [
-        ("Discharge [m²/s]", *cells(found, "asked", "delivered")),
-        ("Mass depth [m]", *cells(found, "depth_asked"), cut(found, "depth")),
-        ("Mean speed [m/s]", *cells(found, "speed_asked"), cut(found, "speed")),
-        ("Momentum flux over ρ [m³/s²]", *cells(found, "momentum_planned"), cut(found, "momentum")),
-        ("Froude number, laboratory", None, cut(found, "froude")),
-        ("Discs refused", 0, f"{found.refused} of {found.turns}"),
+        ("Discharge [m²/s]", *cells(delivery, "asked", "delivered")),
+        ("Mass depth [m]", *cells(delivery, "depth_asked"), cut(delivery, "depth")),
+        ("Mean speed [m/s]", *cells(delivery, "speed_asked"), cut(delivery, "speed")),
+        ("Momentum flux over ρ [m³/s²]", *cells(delivery, "momentum_planned"), cut(delivery, "momentum")),
+        ("Froude number, laboratory", None, cut(delivery, "froude")),
+        ("Discs refused", 0, f"{delivery.refused} of {delivery.turns}"),
     ]
     keys = ("y", "speed", "interval", "asked", "delivered", "turns", "refused")
     heads = ("Row at y [m]", "speed [m/s]", "every [s]", "asked [m²/s]", "delivered [m²/s]", "turns", "refused")
-    low, high = found.station
+    low, high = delivery.station
     return Section(
         "Inflow",
         [
             Table(stream, ("", "asked for", "delivered")),
-            Table([cells(row, *keys) for row in found.rows], heads, "Rows of the inlet"),
+            Table([cells(row, *keys) for row in delivery.rows], heads, "Rows of the inlet"),
             Text(
                 "The discharge is the area of the discs that entered, over whole turns of their rows (over the window "
                 "where the inflow changes with time): a count, which has no error. Depth, speed and momentum are means "

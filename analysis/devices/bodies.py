@@ -189,7 +189,7 @@ class BodyWatch:
     def result(self) -> dict[str, np.ndarray]:
         """Time (s), bulk density (kg/m^2), level and lowest point (m) beside each body, shape (frames, 4)."""
         return {
-            name: np.array([(time, *beside) for time, beside in rows]).reshape(-1, 4)
+            name: np.array([(time, *geometry) for time, geometry in rows]).reshape(-1, 4)
             for name, rows in self._rows.items()
         }
 
@@ -201,8 +201,8 @@ def _bodies(flow: Flow) -> dict[str, MovingWall]:
 
 def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
     """Results of the bodies; None for a scene without bodies."""
-    flow, beside = gathered.flow, gathered.histories.get("bodies", {})
-    assert isinstance(beside, dict)
+    flow, recorded = gathered.flow, gathered.histories.get("bodies", {})
+    assert isinstance(recorded, dict)
     bodies = _bodies(flow)
     if not bodies:
         return None
@@ -212,13 +212,13 @@ def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
     except DumpError as error:
         histories, why = {}, str(error)
     return {
-        name: _found(flow, one, histories[name], beside.get(name, np.empty((0, 4))))
+        name: _found(flow, one, histories[name], recorded.get(name, np.empty((0, 4))))
         if name in histories else BodyResult(reason=why)
         for name, one in bodies.items()
     }  # fmt: skip
 
 
-def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> BodyResult:
+def _found(flow: Flow, one: MovingWall, history: BodyHistory, recorded: np.ndarray) -> BodyResult:
     """Result of one body, by its history and by the discs beside it."""
     kind = one.motion.kind
     assert isinstance(kind, Free)
@@ -231,7 +231,7 @@ def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray
     first = int(moving[-1]) + 1 if moving.size else 0
     span = history.time[-1] - history.time[0]
     rests = first < len(off) and history.time[-1] - history.time[first] >= LAST * span and kind.begin < history.time[-1]
-    stands, afloat = standing_of(flow, one, history), _afloat(flow, one, history, beside)
+    standing, afloat = standing_of(flow, one, history), _afloat(flow, one, history, recorded)
     force = np.hypot(history.fx, history.fy)
     top = int(np.argmax(force))
     steps = np.diff(history.time, prepend=history.time[0])  # rows hold means over the time up to them
@@ -242,40 +242,40 @@ def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray
         largest_displacement=float(far.max()), largest_turn=degrees(turned.max()),
         rest=rests, rest_since=float(history.time[first]) if rests else nan,
         centre_way=float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
-        **_state(stands, afloat=bool(afloat)),
+        **_state(standing, afloat=bool(afloat)),
         peak_force=float(force[top]) if force[top] else nan, peak_at=float(history.time[top]) if force[top] else nan,
         impulse_x=float((steps * history.fx).sum()), impulse_y=float((steps * history.fy).sum()),
         **afloat,
         table={
             "time": history.time, "x": x, "y": y, "angle": np.degrees(angle), "fx": history.fx, "fy": history.fy,
-            "base": _beside(stands.base, len(x)),
+            "base": _beside(standing.base, len(x)),
         },
     )  # fmt: skip
 
 
 def _beside(base: np.ndarray | None, rows: int) -> np.ndarray:
     """Way of a base at each row of a history, m; NaN before the body is released, and of one without."""
-    found = np.full(rows, nan)
+    loads = np.full(rows, nan)
     if base is not None:
-        found[rows - len(base) :] = base
-    return found
+        loads[rows - len(base) :] = base
+    return loads
 
 
-def _state(stands: Standing, *, afloat: bool) -> dict[str, Any]:
-    """Fields of a result that tell how a body stands."""
-    floats = afloat and stands.state != "left"
+def _state(standing: Standing, *, afloat: bool) -> dict[str, Any]:
+    """Fields of a result that give the state of a body."""
+    floats = afloat and standing.state != "left"
     return {
-        "state": "afloat" if floats else stands.state,
-        "side": None if floats else stands.side,
-        "state_reason": None if floats else stands.reason,
-        "state_since": nan if floats else stands.since,
-        "lean": degrees(stands.turn),
-        "base_way": float(stands.base[-1]) if stands.base is not None else nan,
-        **{name: getattr(stands, name) for name in ("slid_by", "slides_at", "tips_at", "falls_at")},
+        "state": "afloat" if floats else standing.state,
+        "side": None if floats else standing.side,
+        "state_reason": None if floats else standing.reason,
+        "state_since": nan if floats else standing.since,
+        "lean": degrees(standing.turn),
+        "base_way": float(standing.base[-1]) if standing.base is not None else nan,
+        **{name: getattr(standing, name) for name in ("slid_by", "slides_at", "tips_at", "falls_at")},
     }
 
 
-def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> dict[str, Any]:
+def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, recorded: np.ndarray) -> dict[str, Any]:
     """Draught, heel and density of the discs beside a body that they carry; nothing for one that does not float."""
     kind = one.motion.kind
     assert isinstance(kind, Free)
@@ -285,7 +285,7 @@ def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarra
         return {}
     if abs(float(history.fy[late].mean()) - weight) > CARRIED * weight:
         return {}
-    frames = beside[beside[:, 0] >= history.time[late][0]]
+    frames = recorded[recorded[:, 0] >= history.time[late][0]]
     frames = frames[np.isfinite(frames).all(axis=1)]
     if len(frames) < LEAST or (frames[:, 2] <= frames[:, 3]).any():
         return {}
@@ -298,15 +298,17 @@ def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarra
     }  # fmt: skip
 
 
-def summary(found: Mapping[str, BodyResult]) -> dict[str, object]:
+def summary(body_results: Mapping[str, BodyResult]) -> dict[str, object]:
     """As under ``bodies`` in ``summary.json``: the bodies by name."""
-    return {name: as_summary(body) for name, body in found.items()}
+    return {name: as_summary(body) for name, body in body_results.items()}
 
 
-def notes(found: Mapping[str, BodyResult] | None) -> list[str]:
+def notes(body_results: Mapping[str, BodyResult] | None) -> list[str]:
     """Sentences on bodies of which nothing is known."""
     return [
-        f"Nothing is known of the body {name}: {body.reason}." for name, body in (found or {}).items() if body.reason
+        f"Nothing is known of the body {name}: {body.reason}."
+        for name, body in (body_results or {}).items()
+        if body.reason
     ]
 
 
@@ -314,9 +316,9 @@ LOOKS = ("first", "second", "third", "sum")
 """Of the lines of the first bodies; all others are faint."""
 
 
-def figures(found: Mapping[str, BodyResult], _: Gathered) -> Drawings:
+def figures(body_results: Mapping[str, BodyResult], _: Gathered) -> Drawings:
     """Way, turn and force of the bodies against time."""
-    shown = [(name, body.table) for name, body in found.items() if len(body.table.get("time", ()))]
+    shown = [(name, body.table) for name, body in body_results.items() if len(body.table.get("time", ()))]
     if not shown:
         return {}
     curves: dict[str, list[Trace]] = {"Displacement\n[m]": [], "Turn [°]": [], "Force of the\ndiscs [N/m]": []}
@@ -334,10 +336,10 @@ def figures(found: Mapping[str, BodyResult], _: Gathered) -> Drawings:
     return {"bodies": Chart("bodies", TIME, panels)}
 
 
-def section(found: Mapping[str, BodyResult]) -> Section:
+def section(body_results: Mapping[str, BodyResult]) -> Section:
     """The numbers of each body."""
     blocks: list[Table | Text] = []
-    for name, body in found.items():
+    for name, body in body_results.items():
         keys = [key for key in KEYS if known(getattr(body, key))]
         if body.reason:
             blocks.append(Text(f"Nothing is known of the body {name}: {body.reason}.", "warn"))

@@ -93,15 +93,15 @@ class SurfaceAngles:
 def analyse(gathered: Gathered) -> Drum:
     """Surface angle of a drum; with a reason where the scene is none."""
     flow, scene = gathered.flow, gathered.flow.scene
-    found = turning(scene)
-    if found is None or scene.inlets or scene.outlets or flow.gravity <= 0:
+    drum = turning(scene)
+    if drum is None or scene.inlets or scene.outlets or flow.gravity <= 0:
         return Drum(reason="no hollow wall turns under gravity, without inflow and outflow")
     time, angles = gathered.histories["drum"].T
     window = window_of(gathered.profiles)
     inside = within(time, window) & np.isfinite(angles)
     if inside.sum() < 2:
         return Drum(reason="the window holds no frame with a surface", time=time, angles=angles)
-    _, _, radius, rate = found
+    _, _, radius, rate = drum
     used = angles[inside]
     mean = mean_of(used)
     return Drum(

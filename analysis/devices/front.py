@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The front of a collapsing column: where it is, how high the column stands, how fast its surface moves.
+"""The front of a collapsing column: where it is, how high the column is, how fast its surface moves.
 
 Definitions (docs/measuring.md): the *bulk front* ends the row of discs that starts at the back wall and has no gap of
 two diameters (the largest disc's) or more between neighbours in x; the *99 % front* is the quantile of the discs'
@@ -98,7 +98,7 @@ class MartinMoyce:
 
 @dataclass(frozen=True)
 class Front:
-    """Front of a collapsing column at the last frame that holds discs, its speed, and theory beside it.
+    """Front of a collapsing column at the last frame that holds discs, its speed, and theory to compare.
 
     `martin_moyce` is None unless the flow is to be compared with water. Pages and screens then leave Ritter out, too.
     """
@@ -164,7 +164,7 @@ def stop_beside(flow: Flow, place: float, side: int) -> str:
 
 
 def stack_top(y: np.ndarray, diameter: float, bed: float, largest: float = 0.0) -> float:
-    """Top edge of the discs that stand on the bed without a gap of `GAP` diameters, m above it.
+    """Top edge of the discs that lie on the bed without a gap of `GAP` diameters, m above it.
 
     0 for none, NaN where no bed is known.
     """
@@ -191,7 +191,7 @@ class FrontTracker:
         d, largest = self.flow.scene.diameter, 2 * self.flow.largest_radius(frame)
         if not frame.n:
             return self._rows.append((time, nan, nan, nan, nan, nan))
-        # where nominal discs with the same right and top edges would stand
+        # where nominal discs with the same right and top edges would be
         larger = self.flow.radii(frame) - self.flow.scene.radius
         x, y, left = frame.x + larger, frame.y + larger, frame.x - larger
         if self.back is None:  # no wall: the column's own left edge at the start
@@ -211,7 +211,7 @@ class FrontTracker:
             top = float(known_mean(frame.vx[bulk[highest]]))
             tip = float(known_mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
         height = stack_top(y[near], d, bed, largest)
-        # the column as it stands when the gate opens; none where no disc is at the back wall
+        # the column as it is when the gate opens; none where no disc is at the back wall
         if self._column is None or time <= 0:
             self._column, self._of_column = (front - self.back if height != 0 else nan, height or nan), frame.ids
         self._fed = self._fed or not np.isin(frame.ids, self._of_column).all()
@@ -262,7 +262,7 @@ class Way(NamedTuple):
         Distance from the back wall to the first thing in the way, or to where the bed ends or turns, m; infinite for
         none, NaN where no bed is known under the front.
     blocked : bool
-        Something stands there, or the bed rises; a slope that levels out does not.
+        Something is there, or the bed rises; a slope that levels out does not.
     """
 
     length: float
@@ -282,7 +282,7 @@ def way(flow: Flow, history: FrontHistory, base: float) -> Way:
     near = base + flow.scene.diameter
     faces = [start for start, top in blocks if start > near and top > height[0] + slope * (start - base) + 1e-9]
     face = min([*faces, *(wall.room("x")[1] for wall in flow.scene.permanent)], default=inf)
-    # the bed may end, or turn, before anything stands in the way
+    # the bed may end, or turn, before anything is in the way
     changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
     if changed.size and probe[k := changed[0]] < face:
         return Way(float(probe[k]) - history.back, bool(height[k] > max(straight[k], height[k - 1] + 1e-9)))
@@ -345,7 +345,7 @@ def _no_arrival(free: float, end: float) -> str | None:
 
 
 def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter | None:
-    """Ritter's front beside that of the discs; None where no frame can be compared."""
+    """Ritter's front compared with that of the discs; None where no frame can be compared."""
     limit = waves.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
     if not inside.any():
@@ -399,7 +399,7 @@ def figures(front: Front, gathered: Gathered) -> Drawings:
 
 
 def section(front: Front) -> Section:
-    """The numbers of the front. Those of water stand beside Ritter and Martin & Moyce."""
+    """The numbers of the front. Those of water are listed with Ritter and Martin & Moyce."""
     if not known(front.position):
         return Section("Front", [Text(shown(front.reason), "warn")])
     rows: list[tuple[str, Any]] = []
@@ -443,7 +443,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
 
 
 def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front and column height in Martin & Moyce's variables with their measurements beside them."""
+    """Front and column height in Martin & Moyce's variables, with their measurements."""
     gravity, (base, depth) = flow.gravity, history.column
     if not (flow.timed and np.isfinite(history.bulk).any() and gravity > 0 and base > 0 and depth > 0):
         return None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Discs that leave through gaps between walls: their mass in a second, while the flow is on.
 
-Which gaps these are is found from walls and tracks (`gaps`). The window runs by itself from flow on to flow off: from
+Which gaps these are follows from walls and tracks (`gaps`). The window runs by itself from flow on to flow off: from
 the first to the last time at which the discharge is at least half of its usual value. A window that the case asks for
 cuts it.
 
@@ -35,7 +35,7 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.units import Estimates, estimate, known, number
 
 PIECES = 8
-"""Straight pieces that stand for an arc of at most a quarter turn."""
+"""Straight pieces that replace an arc of at most a quarter turn."""
 SQUARE = 1e-6
 """Cosine up to which a face counts as square to a gap."""
 FEWEST = 5
@@ -43,7 +43,7 @@ FEWEST = 5
 LEAST = 0.05
 """Share of the discs of the busiest gap that must pass another one."""
 SERIES = 0.5
-"""Share of common discs from which on two gaps lie behind each other."""
+"""Share of common discs from which on two gaps are in series."""
 
 
 class Gap(NamedTuple):
@@ -99,7 +99,7 @@ class GapFlow:
         return degrees(atan2(self.side * (y0 - y1), -self.side * (x1 - x0))) + 0.0
 
 
-class Joined(NamedTuple):
+class FaceEnds(NamedTuple):
     """Straight faces: their ends, shapes (faces, 2), m, and for each end the directions in which faces leave it."""
 
     start: np.ndarray
@@ -107,8 +107,8 @@ class Joined(NamedTuple):
     leaving: dict[tuple[float, float], list[np.ndarray]]
 
 
-def straight_faces(scene: Scene) -> Joined:
-    """Faces of the walls that stand, arcs in pieces, and the rows of rough beds."""
+def straight_faces(scene: Scene) -> FaceEnds:
+    """Faces of the walls at rest, arcs in pieces, and the rows of rough beds."""
     reach = 2.0 * max(high - low for low, high in scene.domain)
     shapes = [one.wall.faces for one in scene.walls if one.motion.kind is None and one.wall in scene.permanent]
     lines = [line for faces in shapes for line in _lines(faces.codes, faces.shape, reach)]
@@ -122,7 +122,7 @@ def straight_faces(scene: Scene) -> Joined:
             leaving.setdefault(_key(one), []).append(along)
             leaving.setdefault(_key(other), []).append(-along)
     start, end = np.array(ends, float).reshape(-1, 2, 2).transpose(1, 0, 2)
-    return Joined(start, end, leaving)
+    return FaceEnds(start, end, leaving)
 
 
 def _key(point: np.ndarray) -> tuple[float, float]:
@@ -131,18 +131,18 @@ def _key(point: np.ndarray) -> tuple[float, float]:
 
 def _lines(codes: np.ndarray, shape: np.ndarray, reach: float) -> list[tuple[np.ndarray, bool]]:
     """Corners of each face, shape (points, 2), and whether it has no ends."""
-    found = []
+    lines = []
     for code, one in zip(codes, shape, strict=True):
         if code[AT_START] == ENDLESS:
             along = reach * one[[TX0, TY0]]
-            found.append((np.array([one[[X0, Y0]] - along, one[[X0, Y0]] + along]), True))
+            lines.append((np.array([one[[X0, Y0]] - along, one[[X0, Y0]] + along]), True))
         elif code[KIND] == ARC:
             angle = one[PHI] - np.copysign(0.5 * np.pi, one[RADIUS]) + one[SWEEP] * np.linspace(0, 1, PIECES + 1)
             round_ = one[[CX, CY]] + abs(one[RADIUS]) * np.column_stack([np.cos(angle), np.sin(angle)])
-            found.append((round_, False))
+            lines.append((round_, False))
         else:
-            found.append((one[[X0, Y0, X1, Y1]].reshape(2, 2), False))
-    return found
+            lines.append((one[[X0, Y0, X1, Y1]].reshape(2, 2), False))
+    return lines
 
 
 def _rows(scene: Scene) -> list[tuple[np.ndarray, bool]]:
@@ -157,7 +157,7 @@ def _rows(scene: Scene) -> list[tuple[np.ndarray, bool]]:
 def gaps_of(scene: Scene) -> list[Gap]:
     """Every narrow place between standing walls through which the smallest disc fits, the narrowest first."""
     start, end, leaving = straight_faces(scene)
-    found: dict[tuple[Any, ...], Gap] = {}
+    gaps: dict[tuple[Any, ...], Gap] = {}
     along = end - start
     squared = np.einsum("ij,ij->i", along, along)
     for corner in leaving:
@@ -169,9 +169,9 @@ def gaps_of(scene: Scene) -> list[Gap]:
             towards = np.max(np.array(leaving[corner]) @ (nearest - here).T / far, axis=0)
         for k in np.flatnonzero((far > scene.smallest) & (towards <= SQUARE)):
             there, ends = nearest[k], tuple(sorted((corner, _key(nearest[k]))))
-            if ends not in found and _narrow(there, here, leaving) and not _blocked(here, there, start, end):
-                found[ends] = Gap(*ends)
-    return sorted(found.values(), key=lambda gap: (round(gap.width / scene.diameter, 6), -gap.middle[1]))
+            if ends not in gaps and _narrow(there, here, leaving) and not _blocked(here, there, start, end):
+                gaps[ends] = Gap(*ends)
+    return sorted(gaps.values(), key=lambda gap: (round(gap.width / scene.diameter, 6), -gap.middle[1]))
 
 
 def _narrow(one: np.ndarray, other: np.ndarray, leaving: dict[tuple[float, float], list[np.ndarray]]) -> bool:
@@ -233,7 +233,7 @@ class Crossings:
                 self._events.append((np.full(hit.size, which), ids[hit], when, side, mass[hit]))
 
     def outlets(self) -> list[GapFlow]:
-        """The gaps that discs pass; of those behind each other the narrowest."""
+        """The gaps that discs pass; of those in series the narrowest."""
         if not self._events:
             return []
         number, ids, time, side, mass = (np.concatenate(column) for column in zip(*self._events, strict=True))
@@ -318,19 +318,19 @@ class Hopper(Estimates):
 
 def analyse(gathered: Gathered) -> Hopper:
     """Discharge through gaps; with a reason where none is found."""
-    flow, found = gathered.flow, gathered.histories["hopper"]
-    assert isinstance(found, Crossings)
-    if not found.gaps:
+    flow, watch = gathered.flow, gathered.histories["hopper"]
+    assert isinstance(watch, Crossings)
+    if not watch.gaps:
         return Hopper(reason="no two walls that stand leave a gap between them")
-    outlets = found.outlets()
+    outlets = watch.outlets()
     if not outlets:
         return Hopper(reason="discs pass no gap between walls that stand")
-    time = np.array(found.times)
+    time = np.array(watch.times)
     nominal = flow.scene.mass
     passed = np.array([nominal * _sum_until(one, time) for one in outlets])
-    asked = flow.window if flow.asked_window and flow.window else (-np.inf, np.inf)
-    window = flow_on(time, passed.sum(axis=0), sum(len(one.ids) for one in outlets), asked)
-    known = {"time": time, "passed": passed, "mass": _above(flow, found, outlets, passed), **_gaps(outlets)}
+    requested = flow.window if flow.asked_window and flow.window else (-np.inf, np.inf)
+    window = flow_on(time, passed.sum(axis=0), sum(len(one.ids) for one in outlets), requested)
+    known = {"time": time, "passed": passed, "mass": _above(flow, watch, outlets, passed), **_gaps(outlets)}
     if window is None:
         return Hopper(**known, reason="fewer than four frames lie between flow on and flow off")
     return Hopper(**known, **_discharge(flow, outlets, known, window, ends=flow_ends(time, passed.sum(axis=0))))
@@ -342,8 +342,10 @@ def _sum_until(outlet: GapFlow, time: np.ndarray) -> np.ndarray:
     return total[np.searchsorted(outlet.time, time, side="right")]
 
 
-def flow_on(time: np.ndarray, passed: np.ndarray, discs: int, asked: tuple[float, float]) -> tuple[float, float] | None:
-    """From flow on to flow off, s, within a window that was asked for; None where that holds fewer than four frames.
+def flow_on(
+    time: np.ndarray, passed: np.ndarray, discs: int, requested: tuple[float, float]
+) -> tuple[float, float] | None:
+    """From flow on to flow off, s, within a window that was requested; None where that holds fewer than four frames.
 
     Parameters
     ----------
@@ -352,11 +354,11 @@ def flow_on(time: np.ndarray, passed: np.ndarray, discs: int, asked: tuple[float
         Mass that has passed up to each frame.
     discs : int
         Discs that have passed, in all.
-    asked : (float, float)
+    requested : (float, float)
         s.
     """
     rate = discharge_over_time(time, passed, max(PIECE, DISCS / max(discs, 1)))
-    there = np.isfinite(rate) & (time >= asked[0]) & (time <= asked[1])
+    there = np.isfinite(rate) & (time >= requested[0]) & (time <= requested[1])
     flowing = rate[there & (rate > 0)]
     if not flowing.size:
         return None
@@ -431,9 +433,9 @@ def _no_beverloo(width: float, turn: float) -> str:
     return ""
 
 
-def _above(flow: Flow, found: Crossings, outlets: Sequence[GapFlow], passed: np.ndarray) -> np.ndarray | None:
+def _above(flow: Flow, crossings: Crossings, outlets: Sequence[GapFlow], passed: np.ndarray) -> np.ndarray | None:
     """Mass before the gaps at each time, kg/m; None where discs come in meanwhile."""
-    frame, scene = found.begin, flow.scene
+    frame, scene = crossings.begin, flow.scene
     if frame is None or scene.inlets or scene.pours:
         return None
     far = [np.hypot(frame.x - one.gap.middle[0], frame.y - one.gap.middle[1]) for one in outlets]
@@ -458,10 +460,10 @@ def discharge_over_time(time: np.ndarray, passed: np.ndarray, piece: float = PIE
     piece : float
         Share of the record.
     """
-    found, reach = np.full(len(time), nan), max(1, round(0.5 * piece * len(time)))
+    rates, reach = np.full(len(time), nan), max(1, round(0.5 * piece * len(time)))
     if len(time) > 2 * reach:
-        found[reach:-reach] = (passed[2 * reach :] - passed[: -2 * reach]) / (time[2 * reach :] - time[: -2 * reach])
-    return found
+        rates[reach:-reach] = (passed[2 * reach :] - passed[: -2 * reach]) / (time[2 * reach :] - time[: -2 * reach])
+    return rates
 
 
 def tables(hopper: Hopper) -> Tables:

@@ -229,14 +229,14 @@ def _below(
     return numbers | {"gate_discharge": water, "gate_ratio": rate.value / water if water > 0 else nan}
 
 
-def summary(found: Mapping[str, Overtopping]) -> dict[str, object]:
-    """Mapping as it stands under ``overtopping`` in ``summary.json``: the structures by name."""
-    return {name: as_summary(one) for name, one in found.items()}
+def summary(overtoppings: Mapping[str, Overtopping]) -> dict[str, object]:
+    """Mapping as it is under ``overtopping`` in ``summary.json``: the structures by name."""
+    return {name: as_summary(one) for name, one in overtoppings.items()}
 
 
-def tables(found: Mapping[str, Overtopping]) -> Tables:
+def tables(overtoppings: Mapping[str, Overtopping]) -> Tables:
     """Rows of all structures that discs have gone over, one after the other."""
-    parts = [(name, one.table) for name, one in found.items() if one.side]
+    parts = [(name, one.table) for name, one in overtoppings.items() if one.side]
     if not parts:
         return {}
     names = np.concatenate([np.full(len(table["time"]), name, dtype=object) for name, table in parts])
@@ -244,9 +244,9 @@ def tables(found: Mapping[str, Overtopping]) -> Tables:
     return {"overtopping.csv": {"time": columns.pop("time"), "name": names, **columns}}
 
 
-def figures(found: Mapping[str, Overtopping], _: Gathered) -> Drawings:
+def figures(overtoppings: Mapping[str, Overtopping], _: Gathered) -> Drawings:
     """Volume over each structure, and depth over its crest, against time."""
-    shown = [(name, one.table) for name, one in found.items() if one.side]
+    shown = [(name, one.table) for name, one in overtoppings.items() if one.side]
     if not shown:
         return {}
     looks = ("first", "second", "third", "sum")
@@ -263,10 +263,10 @@ def figures(found: Mapping[str, Overtopping], _: Gathered) -> Drawings:
     return {"overtopping": Chart("overtopping", TIME, panels)}
 
 
-def section(found: Mapping[str, Overtopping]) -> Section:
+def section(overtoppings: Mapping[str, Overtopping]) -> Section:
     """Numbers of each structure that something has gone over."""
     blocks: list[Table | Text] = []
-    for name, one in found.items():
+    for name, one in overtoppings.items():
         if not one.side:
             continue
         keys = [key for key in KEYS if known(getattr(one, key))]

@@ -2,11 +2,11 @@
 """Run-up and overtopping: the highest place that water reaches on a slope or wall, and what goes over it.
 
 An *obstacle* is where the bed rises from where the discs are to a *crest*. The tongue ends before the first gap of two
-diameters along the slope. Where it has come to an upright face, the highest place is the top of the discs that stand
+diameters along the slope. Where it has come to an upright face, the highest place is the top of the discs that lie
 before the face without such a gap. A disc has gone over when it was last seen beyond the crest.
 
 On a slope over whose crest water goes there is no highest place: its end is the crest, whatever the water would reach.
-Water that stands over the crest from the start runs up nowhere. What goes over has a head, a depth and a discharge.
+Water that is over the crest from the start runs up nowhere. What goes over has a head, a depth and a discharge.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
@@ -37,7 +37,7 @@ MOST_PLACES = 20_000
 LOWEST = 3.0
 """Diameters by which a bed must rise to be an obstacle; half of it in half a diameter is an upright face."""
 BEFORE = 3.0
-"""Diameters before an upright face in which discs stand at it."""
+"""Diameters before an upright face within which discs are at it."""
 STRIP = 2.0
 """Width of the strips in which the surface of still water is looked for, and of the narrowest crest, diameters."""
 LEAST = 30
@@ -129,8 +129,8 @@ def obstacles_of(flow: Flow, middle: float) -> list[Obstacle]:
     ends = [wall.faces.shape[:, [X0, X1]].ravel() for wall in flow.scene.permanent]
     ends = [one[(one > low) & (one < high)] for one in ends]
     x = np.unique(np.concatenate([np.arange(low + 0.5 * step, high, step), *ends]))
-    found = (_obstacle(flow, x, side, middle) for side in (-1, 1))
-    return [one for one in found if one is not None]
+    obstacles = (_obstacle(flow, x, side, middle) for side in (-1, 1))
+    return [one for one in obstacles if one is not None]
 
 
 def _obstacle(flow: Flow, x: np.ndarray, side: int, middle: float) -> Obstacle | None:
@@ -142,7 +142,7 @@ def _obstacle(flow: Flow, x: np.ndarray, side: int, middle: float) -> Obstacle |
     if len(bed) < 2:
         return None
     top = np.maximum.accumulate(bed)
-    # the first top behind which the bed falls again, else the highest place
+    # the first top after which the bed falls again, else the highest place
     falls = np.flatnonzero((top - bed > LOWEST * d) & (top - np.minimum.accumulate(bed) >= LOWEST * d))
     crest = float(top[falls[0]] if falls.size else top[-1])
     at = int(np.flatnonzero(bed >= crest - 1e-9)[0])
@@ -150,7 +150,7 @@ def _obstacle(flow: Flow, x: np.ndarray, side: int, middle: float) -> Obstacle |
     if crest - bed[low] < LOWEST * d:
         return None
     level = np.flatnonzero(bed[at:] < crest - 1e-9)
-    behind = at + (int(level[0]) if level.size else len(bed) - at) - 1
+    last_behind = at + (int(level[0]) if level.size else len(bed) - at) - 1
     index = np.arange(low, at + 1)
     rises = bed[index] - bed[np.maximum(index - PER_DIAMETER // 2, low)]
     upright = index[rises > 0.5 * LOWEST * d]
@@ -161,13 +161,13 @@ def _obstacle(flow: Flow, x: np.ndarray, side: int, middle: float) -> Obstacle |
     part = slice(low, at + 1)
     order = np.argsort(way[part])
     return Obstacle(
-        side, name, float(way[low]), face, float(way[at]), float(way[behind]),
+        side, name, float(way[low]), face, float(way[at]), float(way[last_behind]),
         float(bed[low]), crest, way[part][order], bed[part][order],
     )  # fmt: skip
 
 
 def surface_from(flow: Flow, way: np.ndarray) -> np.ndarray:
-    """Height of what stands in the way of water that comes along x, m, of the shape of `way`; NaN from its end on.
+    """Height of what is in the way of water that comes along x, m, of the shape of `way`; NaN from its end on.
 
     It is the highest top of the standing walls that reach down to the height of the place before: the bed of
     `Flow.bed_height`, and besides a slope that is hollow below.
@@ -176,14 +176,14 @@ def surface_from(flow: Flow, way: np.ndarray) -> np.ndarray:
     if not solids:
         return np.full(way.shape, nan)
     undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
-    found, before = np.full(way.shape, nan), float(flow.bed_height(way[:1])[0])
+    surface, before = np.full(way.shape, nan), float(flow.bed_height(way[:1])[0])
     for k in range(len(way)):
         reach = undersides[:, k] <= before + flow.scene.smallest
         there = tops[reach, k]
         if not np.isfinite(there).any():
             break
-        found[k] = before = float(np.nanmax(there))
-    return found
+        surface[k] = before = float(np.nanmax(there))
+    return surface
 
 
 def _whose(flow: Flow, x: float, top: float) -> str:
@@ -253,7 +253,7 @@ class RunUpWatch:
         """Highest place of the water on an obstacle, y and x, m; NaN where there is none."""
         flow, side = self.flow, obstacle.side
         d, largest = flow.scene.diameter, 2.0 * flow.largest_radius(frame)
-        # where nominal discs with the same outer edges would stand
+        # where nominal discs with the same outer edges would be
         beyond = flow.radii(frame) - flow.scene.radius
         away = side * (frame.x - obstacle.foot) + beyond
         reach = side * (obstacle.crest - obstacle.foot)
@@ -263,9 +263,9 @@ class RunUpWatch:
         tip = bulk_front(away[here], d, largest)
         face = side * (obstacle.face - obstacle.foot)
         if isfinite(face) and tip >= face - BEFORE * d:
-            stands = (side * (frame.x - obstacle.face) < 0) & (side * (frame.x - obstacle.face) > -BEFORE * d)
+            is_near = (side * (frame.x - obstacle.face) < 0) & (side * (frame.x - obstacle.face) > -BEFORE * d)
             ground = float(np.interp(obstacle.face - side * BEFORE * d, obstacle.x, obstacle.bed))
-            return ground + stack_top((frame.y + beyond)[stands], d, ground, largest), obstacle.face
+            return ground + stack_top((frame.y + beyond)[is_near], d, ground, largest), obstacle.face
         place = obstacle.foot + side * min(tip, reach)
         return (float(np.interp(place, obstacle.x, obstacle.bed)), place) if tip > 0 else (nan, nan)
 
@@ -316,12 +316,12 @@ def level_before(frame: Frame, flow: Flow, obstacle: Obstacle, reach: float) -> 
 
 
 def analyse(gathered: Gathered) -> RunUp | None:
-    """Run-up and overtopping of the obstacle that the water climbs highest; None where nothing stands in its way."""
+    """Run-up and overtopping of the obstacle that the water climbs highest; None where nothing is in its way."""
     flow, watch = gathered.flow, gathered.histories["runup"]
     assert isinstance(watch, RunUpWatch)
-    found = [(k, np.array(rows).T) for k, rows in enumerate(watch.rows) if rows]
-    reached = [(k, rows) for k, rows in found if np.isfinite(rows[1][rows[0] >= watch.begin]).any()]
-    if not found:
+    histories = [(k, np.array(rows).T) for k, rows in enumerate(watch.rows) if rows]
+    reached = [(k, rows) for k, rows in histories if np.isfinite(rows[1][rows[0] >= watch.begin]).any()]
+    if not histories:
         return None
     if not reached:
         return RunUp(reason="the water has not reached the foot of the slope or wall")
@@ -351,7 +351,7 @@ def _why_no_run_up(
 ) -> str:
     """Why there is no highest place on an obstacle, over which so many discs have gone; empty where there is one.
 
-    On an upright face water may stand higher than the crest; on a slope its end tells nothing once it is the crest.
+    On an upright face water may be higher than the crest; on a slope its end tells nothing once it is the crest.
     """
     (height, place), d = rows, flow.scene.diameter
     if still >= obstacle.top - 0.5 * d:
@@ -378,30 +378,30 @@ def _gone_over(flow: Flow, obstacle: Obstacle, rows: tuple[np.ndarray, ...], dis
         That have gone over.
     """
     time, over, level, depth = rows
-    found: dict[str, Any] = {"over": float(over[-1]), "over_discs": discs}
+    over_crest: dict[str, Any] = {"over": float(over[-1]), "over_discs": discs}
     rises = np.flatnonzero(np.diff(over) > 0)
     if not rises.size:
-        return found
+        return over_crest
     first, last = int(rises[0]), int(rises[-1]) + 1
     passing, span = slice(first, last + 1), float(time[last] - time[first])
-    found |= {"over_since": float(time[first]), "over_until": float(time[last])}
+    over_crest |= {"over_since": float(time[first]), "over_until": float(time[last])}
     if discs < LEAST or span <= 0:
-        return found | {"no_head": f"{discs} discs have gone over, too few for a discharge"}
+        return over_crest | {"no_head": f"{discs} discs have gone over, too few for a discharge"}
     ends = np.linspace(time[first], time[last], round(1 / PART) + 1)
-    found |= {
+    over_crest |= {
         "discharge": float(over[last] - over[first]) / span,
         "largest_discharge": float(np.diff(np.interp(ends, time, over)).max()) / (PART * span),
         "depth": float(depth[passing].mean()),
         "largest_depth": float(depth[passing].max()),
     }
     head = level[passing] - obstacle.top
-    stands = np.isfinite(head) & (head > 0)
-    if stands.mean() < 0.5:
-        return found | {"no_head": "the water before it stands below the crest most of the time"}
-    return found | {
-        "head": float(head[stands].mean()),
-        "largest_head": float(head[stands].max()),
-        "critical_discharge": sum(jump.critical_discharge(one, flow.g) for one in head[stands].tolist()) / len(head),
+    is_known = np.isfinite(head) & (head > 0)
+    if is_known.mean() < 0.5:
+        return over_crest | {"no_head": "the water before it stands below the crest most of the time"}
+    return over_crest | {
+        "head": float(head[is_known].mean()),
+        "largest_head": float(head[is_known].max()),
+        "critical_discharge": sum(jump.critical_discharge(one, flow.g) for one in head[is_known].tolist()) / len(head),
     }
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Stability of structures: limits of sliding and tipping against time, and factors of safety.
 
-A body that stands on something is looked at by what ``bodies.csv`` has of it, a wall that is given a weight by its
+A body that rests on something is looked at by what ``bodies.csv`` has of it, a wall that is given a weight by its
 force record. Forces are those of the discs. A body that another body touches has no factor, as no record has that
 force.
 """
@@ -39,7 +39,7 @@ from lammps_jump.physics.bodies import (
 )
 from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, reference
-from lammps_jump.scene.scene import Weighed
+from lammps_jump.scene.scene import WallWeight
 from lammps_jump.scene.schedule import windows_of
 from lammps_jump.units import as_summary, from_summary, known, number
 
@@ -252,9 +252,9 @@ def found_of(loads: Loads, window: tuple[float, float], mean_time: float) -> Sta
 
 def _factors(sums: BaseSums, friction: float, rows: np.ndarray) -> dict[str, np.ndarray]:
     """Factors against sliding, tipping over each toe and over the nearer one, at some rows; else NaN."""
-    found = {"sliding": sums.sliding(friction), "right": sums.tipping("right"), "left": sums.tipping("left")}
-    found["tipping"] = np.fmin(found["right"], found["left"])
-    return {name: np.where(rows, values, nan) for name, values in found.items()}
+    factors = {"sliding": sums.sliding(friction), "right": sums.tipping("right"), "left": sums.tipping("left")}
+    factors["tipping"] = np.fmin(factors["right"], factors["left"])
+    return {name: np.where(rows, values, nan) for name, values in factors.items()}
 
 
 def _of_window(loads: Loads, sums: BaseSums, window: tuple[float, float]) -> tuple[dict[str, Any], bool]:
@@ -262,9 +262,9 @@ def _of_window(loads: Loads, sums: BaseSums, window: tuple[float, float]) -> tup
     inside = (loads.time > window[0]) & (loads.time <= window[1] + 1e-9)
     if not inside.any() or not loads.stands[inside].all():
         return {}, False
-    found = _factors(sums.of(inside), loads.friction, np.array([True]))
-    told = {f"{kind}_factor": float(found[kind][0]) for kind in ("sliding", "tipping")}
-    return {name: value for name, value in told.items() if isfinite(value)}, True
+    factors = _factors(sums.of(inside), loads.friction, np.array([True]))
+    factor_values = {f"{kind}_factor": float(factors[kind][0]) for kind in ("sliding", "tipping")}
+    return {name: value for name, value in factor_values.items() if isfinite(value)}, True
 
 
 NO_FRICTION = "nothing rubs in this case, so that nothing bounds sliding"
@@ -319,19 +319,21 @@ def analyse(gathered: Gathered) -> dict[str, Stability] | None:
     if not flow.scene.bodies and not flow.scene.stability:
         return None
     window, mean_time = window_of(gathered.profiles), flow.scene.stability_mean
-    found: dict[str, Stability] = {}
+    stabilities: dict[str, Stability] = {}
     if flow.scene.bodies:
         states, (histories, why) = how_bodies_are(gathered) or {}, _histories(flow)
         for one in flow.scene.bodies:
             name = one.wall.name
-            told = body_loads(flow, one, histories) if name in histories else (None, why)
+            body_loads_found = body_loads(flow, one, histories) if name in histories else (None, why)
             state = states.get(name, BodyResult())
-            found[name] = replace(_stability(*told, window, mean_time), state=state.state, slid_by=state.slid_by)
+            stabilities[name] = replace(
+                _stability(*body_loads_found, window, mean_time), state=state.state, slid_by=state.slid_by
+            )
     for name, weighed in flow.scene.stability:
         record = gathered.forces.get(name)
-        told = wall_loads(flow, name, weighed, record) if record else (None, NO_RECORD)
-        found[name] = _stability(*told, window, mean_time)
-    return found
+        body_loads_found = wall_loads(flow, name, weighed, record) if record else (None, NO_RECORD)
+        stabilities[name] = _stability(*body_loads_found, window, mean_time)
+    return stabilities
 
 
 NO_RECORD = "forces.csv has no row of it"
@@ -341,8 +343,8 @@ def _stability(loads: Loads | None, why: str, window: tuple[float, float], mean_
     """Stability by loads; with the reason why there is none, or why numbers are absent."""
     if loads is None:
         return Stability(reason=why)
-    found = found_of(loads, window, mean_time)
-    return replace(found, reason="; ".join(filter(None, (why, found.reason))) or None)
+    stability = found_of(loads, window, mean_time)
+    return replace(stability, reason="; ".join(filter(None, (why, stability.reason))) or None)
 
 
 def _histories(flow: Flow) -> tuple[dict[str, BodyHistory], str]:
@@ -376,23 +378,23 @@ def body_loads(flow: Flow, one: MovingWall, histories: Mapping[str, BodyHistory]
     if since <= history.time[start]:
         return None, f"the body {touched} touches it, and no record has what bodies hand on"
     rows = slice(start + 1, None)
-    stands = np.abs(history.angle[rows] - history.angle[start]) <= FLAT
-    stands &= history.time[rows] < min(since, standing.falls_at if isfinite(standing.falls_at) else inf)
-    if not stands.any():
+    is_flat = np.abs(history.angle[rows] - history.angle[start]) <= FLAT
+    is_flat &= history.time[rows] < min(since, standing.falls_at if isfinite(standing.falls_at) else inf)
+    if not is_flat.any():
         return None, "it never stands on its base"
     centre = np.column_stack([history.x, history.y])[rows]
     loads = Loads(
         history.time[rows], window_lengths(history.time)[rows], np.column_stack([history.fx, history.fy])[rows],
         history.moment[rows], centre, centre, ends[rows, 0], ends[rows, 1],
         (ends[start, 1] - ends[start, 0]) / base.length, np.array(kind.weight),
-        friction_between(flow, one, below), stands,
+        friction_between(flow, one, below), is_flat,
     )  # fmt: skip
     said = f"from {since:z.2f} s on the body {touched} touches it, and no record has what bodies hand on"
     return loads, said if isfinite(since) else ""
 
 
-def wall_loads(flow: Flow, name: str, weighed: Weighed, record: ForceHistory) -> tuple[Loads | None, str]:
-    """Loads on a wall that stands and is given a weight; and why it has no factors."""
+def wall_loads(flow: Flow, name: str, weighed: WallWeight, record: ForceHistory) -> tuple[Loads | None, str]:
+    """Loads on a wall at rest that is given a weight; and why it has no factors."""
     one = next(one for one in flow.scene.walls if one.wall.name == name)
     base = base_at(one, np.array(flow.scene.gravity), 0.0) if flow.g else None
     if base is None:
@@ -406,12 +408,12 @@ def wall_loads(flow: Flow, name: str, weighed: Weighed, record: ForceHistory) ->
     point, centre, left, right = (
         np.tile(place, (count, 1)) for place in (reference(one), section.centre, base.first, base.last)
     )
-    found = Loads(
+    loads = Loads(
         record.time[live], window_lengths(record.time)[live], np.column_stack([record.fx, record.fy])[live],
         record.moment[live], point, centre, left, right, (base.last - base.first) / base.length,
         weighed.density * section.area * np.array(flow.scene.gravity), weighed.friction, np.ones(count, bool),
     )  # fmt: skip
-    return found, ""
+    return loads, ""
 
 
 def wall_below(flow: Flow, ends: np.ndarray) -> MovingWall | None:
@@ -480,14 +482,14 @@ def _to_faces(corners: np.ndarray, ring: np.ndarray) -> float:
 # --- what is shown ----------------------------------------------------------------------------------------------------
 
 
-def summary(found: Mapping[str, Stability]) -> dict[str, object]:
+def summary(stabilities: Mapping[str, Stability]) -> dict[str, object]:
     """As under ``stability`` in ``summary.json``: the structures by name."""
-    return {name: as_summary(one) for name, one in found.items()}
+    return {name: as_summary(one) for name, one in stabilities.items()}
 
 
-def tables(found: Mapping[str, Stability]) -> Tables:
+def tables(stabilities: Mapping[str, Stability]) -> Tables:
     """Rows of all structures, one after the other."""
-    parts = [(name, one.table) for name, one in found.items() if len(one.table.get("time", ()))]
+    parts = [(name, one.table) for name, one in stabilities.items() if len(one.table.get("time", ()))]
     if not parts:
         return {}
     names = np.concatenate([np.full(len(table["time"]), name, dtype=object) for name, table in parts])
@@ -495,10 +497,10 @@ def tables(found: Mapping[str, Stability]) -> Tables:
     return {"stability.csv": {"time": columns.pop("time"), "name": names, **columns}}
 
 
-def figures(found: Mapping[str, Stability], _: Gathered) -> Drawings:
+def figures(stabilities: Mapping[str, Stability], _: Gathered) -> Drawings:
     """Force along the base and moment over the toe against time, with their limits."""
     panels: list[Panel] = []
-    for name, one in found.items():
+    for name, one in stabilities.items():
         table = one.table
         if not len(table.get("time", ())):
             continue
@@ -517,21 +519,21 @@ def figures(found: Mapping[str, Stability], _: Gathered) -> Drawings:
     return {"stability": Chart("what structures bear", TIME, panels)} if panels else {}
 
 
-def section(found: Mapping[str, Stability]) -> Section:
+def section(stabilities: Mapping[str, Stability]) -> Section:
     """The numbers of each structure, and why some are absent."""
     blocks: list[Table | Text] = []
-    for name, one in found.items():
+    for name, one in stabilities.items():
         keys = [key for key in KEYS if known(getattr(one, key))]
         if known(one.weight):
-            told = [("Toe", one.toe)] if one.toe else []
+            rows_of_toe = [("Toe", one.toe)] if one.toe else []
             rows = [
                 (f"{head}{over_time(one, key)}", value)
                 for key, (head, value) in zip(keys, described(one, *keys), strict=True)
             ]
-            blocks.append(Table([*rows, *told], (f"Structure {name}", "")))
+            blocks.append(Table([*rows, *rows_of_toe], (f"Structure {name}", "")))
         if one.reason:
             blocks.append(Text(_reason(name, one), "small" if known(one.weight) else "warn"))
-    if any(known(one.weight) for one in found.values()):
+    if any(known(one.weight) for one in stabilities.values()):
         blocks.append(Text(ABOUT, "small"))
     return Section("Stability", blocks)
 
@@ -544,7 +546,7 @@ OF_MEANS = ("_least_mean", "eccentricity_peak", "toe_pressure_peak", "heel_press
 
 
 def over_time(one: Stability, key: str) -> str:
-    """Averaging time of the forces of a number, to stand behind its words; empty where it has none."""
+    """Averaging time of the forces of a number, to follow its words; empty where it has none."""
     for ends, time in ((OF_WINDOWS, one.window_time), (OF_MEANS, one.mean_time)):
         if key.endswith(ends) and known(time):
             return f", {time:z.2g} s means"
@@ -587,10 +589,10 @@ def line(summary: Mapping[str, Any]) -> str:
 
 def _times(summary: Mapping[str, Any]) -> dict[str, str]:
     """Averaging times for the labels of the numbers at the top."""
-    found = [one for one in part(summary, "stability").values() if isinstance(one, Mapping)]
+    factors = [one for one in part(summary, "stability").values() if isinstance(one, Mapping)]
     words = {}
     for key in ("window_time", "mean_time"):
-        times = dict.fromkeys(f"{one[key]:z.2g} s" for one in found if known(one.get(key)))
+        times = dict.fromkeys(f"{one[key]:z.2g} s" for one in factors if known(one.get(key)))
         words[key] = " or ".join(times) or "single windows"
     return words
 

@@ -57,7 +57,7 @@ class Standing:
     side : {'right', 'left', 'top', 'base'} or None
         The side on which it lies, as the body was at the start; base: another face of its underside.
     turn : float
-        From how it stood, rad; anticlockwise.
+        From its initial position, rad; anticlockwise.
     slid_by : float
         Way of the middle of its base along it, towards larger x, m.
     slides_at, tips_at, falls_at, since : float
@@ -235,7 +235,7 @@ def _state(
 
 
 def side_of(face: HullFace, base: HullFace) -> str:
-    """Side of a body on which a face is, its base below: right, left, top, or base for one beside the base."""
+    """Side of a body on which a face is, its base below: right, left, top, or base for one next to the base."""
     up = -base.normal
     across = degrees(atan2(float(face.normal @ np.array([up[1], -up[0]])), float(face.normal @ up)))
     if abs(across) <= 45.0:

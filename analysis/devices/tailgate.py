@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tailgates that hold a depth or a front: the height that each has found, since when, and what it holds.
+"""Tailgates that hold a depth or a front: the height that each has reached, since when, and what it holds.
 
-The height is that of the crest, y. The crest stands where its height, averaged over a response, stays within half a
+The height is that of the crest, y. The crest is steady where its height, averaged over a response, is within half a
 diameter of the mean of the last quarter of its time. It has settled where what is held is at the target too: from then
 on its mean over a response stays near, and its mean up to the end is the target within the 95 % interval. A crest that
-stands and holds something else has a height, no time of settling, and a reason.
+is steady and holds something else has a height, no time of settling, and a reason.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from lammps_jump.scene import MovingWall
 from lammps_jump.units import ROUND_OFF, Estimates, as_summary, estimate, known, number, shown
 
 LAST = 0.25
-"""Share of the time of holding, at the end, in which the height must stand."""
+"""Share of the time of holding, at the end, in which the height must be steady."""
 LEAST = 8
 """Frames in it, at least."""
 DEPTH_OFF = 0.02
@@ -43,12 +43,12 @@ FRONT_SLACK, DEPTH_SLACK = 1.0, 0.1
 diameters long. One disc more in the stretch of a depth, ten diameters long, is a tenth of a diameter."""
 FROZEN = "it is the same in all of the last frames: the discs stand still"
 AT_END = 1e-3
-"""Share of its way within which a gate stands at an end of it."""
+"""Share of its way within which a gate is at an end of it."""
 
 
 @dataclass(frozen=True)
 class Tailgate(Estimates):
-    """The height that one gate has found; absent numbers were not measured, and `reason` says why."""
+    """The height that one gate has reached; absent numbers were not measured, and `reason` says why."""
 
     height: float = estimate(
         "m",
@@ -140,16 +140,16 @@ def _found(flow: Flow, one: MovingWall, record: Record) -> Tailgate:
     late = int(np.flatnonzero(time >= time[-1] - LAST * (time[-1] - time[0]))[0])
     limit = bool((end[late:] != 0).mean() > 0.5)
     response = GATE_LOOKS * holding.every * scene.time_step
-    stands = _behind(np.abs(_smooth(time, height, response) - height[late:].mean()) > 0.5 * scene.diameter)
+    late_change = _behind(np.abs(_smooth(time, height, response) - height[late:].mean()) > 0.5 * scene.diameter)
     near = _behind(np.abs(_smooth(time, seen, response) - holding.target) > _near(holding))
     slack = (FRONT_SLACK if holding.level else DEPTH_SLACK) * scene.diameter
-    first = None if limit else _settled(holding, seen, late, max(stands, near), slack)
+    first = None if limit else _settled(holding, seen, late, max(late_change, near), slack)
     held = mean_of(seen[late if first is None else first :])
     common |= {
         "at_limit": limit, "held": held.value, "held_interval": _interval(held), "last_height": float(height[-1]),
         "no_interval": None if isfinite(_interval(held)) else FROZEN,
     }  # fmt: skip
-    if limit or stands > late:
+    if limit or late_change > late:
         return Tailgate(**common, reason=_no_height(holding, limit, int(end[-1]), held))
     crest = mean_of(height[late if first is None else first :])
     common |= {"height": crest.value, "height_interval": _interval(crest)}
@@ -159,7 +159,7 @@ def _found(flow: Flow, one: MovingWall, record: Record) -> Tailgate:
 
 
 def _behind(far: np.ndarray) -> int:
-    """Index of the first frame behind the last one that is far."""
+    """Index of the first frame after the last one that is far."""
     return int(np.flatnonzero(far)[-1]) + 1 if far.any() else 0
 
 
@@ -215,14 +215,14 @@ def _smooth(time: np.ndarray, height: np.ndarray, over: float) -> np.ndarray:
 
 
 def _what(holding: Holding, held: Mean) -> str:
-    """Quantity that a gate holds, and what is asked for, in words."""
+    """Quantity that a gate holds, and its target, in words."""
     seen = shown(held.value, "m", _interval(held))
     what = f"the front at x = {seen}" if holding.level else f"a mass depth of {seen}"
     return f"{what}, and {holding.target:zg} m is asked for"
 
 
 def _no_height(holding: Holding, limit: bool, end: int, held: Mean) -> str:
-    """Why a gate has found no height."""
+    """Why a gate has reached no height."""
     what = _what(holding, held)
     if limit:
         side = "highest" if end >= 0 else "lowest"
@@ -231,7 +231,7 @@ def _no_height(holding: Holding, limit: bool, end: int, held: Mean) -> str:
 
 
 def _not_settled(holding: Holding, held: Mean, strays: bool) -> str:
-    """Why a gate whose crest stands has not settled."""
+    """Why a gate whose crest is steady has not settled."""
     what, near = _what(holding, held), _near(holding)
     if strays:
         return f"its crest stands, and what it holds still goes by more than {near:z.2g} m off: {what}; run longer"
@@ -267,9 +267,9 @@ def figures(gates: Mapping[str, Tailgate], _: Gathered) -> Drawings:
         time = gate.table["time"]
         if not len(time):
             continue
-        found = {"found": gate.height} if isfinite(gate.height) else {}
+        guides = {"found": gate.height} if isfinite(gate.height) else {}
         panels += [
-            Panel(f"Crest of {name},\ny [m]", [Trace("", time, gate.table["height"])], levels=found),
+            Panel(f"Crest of {name},\ny [m]", [Trace("", time, gate.table["height"])], levels=guides),
             Panel("Front x or\nmass depth [m]", [Trace("", time, gate.table["seen"])], levels={"asked": gate.target}),
         ]
         since = (gate.settled_at, float(time[-1])) if isfinite(gate.settled_at) else since

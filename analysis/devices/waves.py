@@ -76,7 +76,7 @@ def analyse(gathered: Gathered) -> Waves | None:
     x, time, depth = profiles["x"].values, profiles["time"].values, profiles["surface_depth"].values
     records = np.array([[np.interp(place, x, row) for row in depth] for place in gauges])
     low, high = x[0] - 0.5 * flow.bin_width, x[-1] + 0.5 * flow.bin_width
-    records[[not low <= place <= high for place in gauges]] = nan  # it stands where no profile is
+    records[[not low <= place <= high for place in gauges]] = nan  # the gauge is where no profile is
     (first, last), (period, stroke, begin) = window_of(profiles), paddle(flow)
     inside = within(time, (first, last))
     known: dict[str, Any] = {"gauges": tuple(gauges), "time": time, "records": records}
@@ -119,12 +119,12 @@ def section(waves: Waves) -> Section:
     """Depths by gauge; heights of waves where a paddle makes some."""
     names = {"means": "mean depth of the window [m]", "lowest": "lowest", "largest": "largest of the record"}
     names |= {"heights": "wave height [m]", "depths": "mean depth of whole periods [m]"}
-    told = {name: getattr(waves, name) for name in names if getattr(waves, name)}
-    if not told:
+    columns_given = {name: getattr(waves, name) for name in names if getattr(waves, name)}
+    if not columns_given:
         return Section("Gauges", [])
-    columns = zip(waves.gauges, *told.values(), strict=True)
+    columns = zip(waves.gauges, *columns_given.values(), strict=True)
     rows = [(f"{x:zg}", *(f"{value:z.3f}" if known(value) else None for value in values)) for x, *values in columns]
-    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in told)))]
+    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in columns_given)))]
     if unknown := [str(x) for x, *values in rows if None in values]:
         blocks.append(Text(f"No bed is known, and no depth, at times or always at x = {', '.join(unknown)} m."))
     if not known(waves.height):

@@ -2,7 +2,7 @@
 """Forces of the discs as arrows on the outlines of structures, for films and pictures: resultant, and pressure.
 
 The arrow of a resultant ends where its line of action enters the outline: its moment is that of the record. The arrows
-of pressure stand on the stretches over which it was summed.
+of pressure are drawn on the stretches over which it was summed.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ class ForceArrows:
 
     def resultants(self, time: float, walls: Sequence[Wall], x: Interval, y: Interval) -> list[FaceArrow]:
         """Forces at a time (s) on walls where they are, within a part of the plane, m."""
-        found = []
+        arrows = []
         for wall in walls:
             if (history := self._known.get(wall.name)) is None:
                 continue
@@ -183,22 +183,22 @@ class ForceArrows:
             rings, lines = parts_of(wall, x, y)
             ring = np.concatenate([*rings, *lines])
             point = self._way(wall).place(*reference(self._case_wall(wall.name)))
-            found.append(FaceArrow(entry(ring, point, (fx, fy), moment, last=wall.hollow), (fx, fy)))
-        return found
+            arrows.append(FaceArrow(entry(ring, point, (fx, fy), moment, last=wall.hollow), (fx, fy)))
+        return arrows
 
     def pressures(self, time: float, walls: Sequence[Wall]) -> list[FaceArrow]:
         """Pressure at a time (s) on the stretches of walls where they are."""
         if not self.largest_pressure > 0 or self.pressure is None:
             return []
         there = {wall.name: self._way(wall) for wall in walls}
-        found = []
+        arrows = []
         for k in self._bins:
             one = self.flow.scene.pressure[k]
             value = float(np.interp(time, self.pressure.time, self.pressure.across[:, k])) / one.width
             if one.wall in there and value > SEEN * self.largest_pressure:
                 tx, ty = there[one.wall].way(*one.along)  # the discs are left of it
-                found.append(FaceArrow(there[one.wall].place(*one.place), (value * ty, -value * tx)))
-        return found
+                arrows.append(FaceArrow(there[one.wall].place(*one.place), (value * ty, -value * tx)))
+        return arrows
 
     def _case_wall(self, name: str) -> MovingWall:
         return next(one for one in self.flow.scene.walls if one.wall.name == name)

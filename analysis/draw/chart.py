@@ -78,7 +78,7 @@ class Described:
     ----------
     title : str
     name : str
-        Of the scene, for figures that stand alone.
+        Of the scene, for separate figures.
     """
 
     title: str
@@ -121,7 +121,7 @@ class Chart(Described):
 
 @dataclass(frozen=True)
 class Bars(Described):
-    """Numbers with a sign beside each other, the last one their sum.
+    """Numbers with a sign side by side, the last one their sum.
 
     Attributes
     ----------

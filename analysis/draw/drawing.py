@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A drawing to scale, described: shapes in metres by what they are, and labels that have found their places.
+"""A drawing to scale, described: shapes in metres by what they are, and labels that have been placed.
 
 `style.figure` draws it with matplotlib, `svg.svg_text` as text of a page. Neither knows what is drawn.
 
@@ -145,15 +145,15 @@ class Drawing:
         self.keep_free((x0 - pad, x1 + pad), (y0 - pad, y1 + pad))
 
     def place_labels(self) -> None:
-        """Place all labels; where one stands away from its point, a line leads there. One without room is left out."""
-        asked = []
+        """Places all labels; where one is away from its point, a line leads there. One without room is left out."""
+        labels = []
         for one in self.labels:
             wide, high = size_of(one.text)
             fits = bool((self.scale * np.ptp(one.on, axis=1) > (wide + 4, high)).all())
             x, y = np.mean(one.on, axis=1) if fits else one.place
-            asked.append(Label((x - self.x[0]) * self.scale, (y - self.y[0]) * self.scale, wide, high, fits))
-        places = place_labels(asked, *self.size, self.busy)
-        for one, label, place in zip(self.labels, asked, places, strict=True):
+            labels.append(Label((x - self.x[0]) * self.scale, (y - self.y[0]) * self.scale, wide, high, fits))
+        places = place_labels(labels, *self.size, self.busy)
+        for one, label, place in zip(self.labels, labels, places, strict=True):
             if place is None:
                 continue  # the table of the page names it
             left, low = place
@@ -223,7 +223,7 @@ def place_labels(
     aim = np.column_stack([np.cos(turns), np.sin(turns)])
     avoided = np.array(busy, float).reshape(-1, 4)
     taken = np.empty((0, 4))
-    found: list[tuple[float, float] | None] = []
+    places_of_labels: list[tuple[float, float] | None] = []
     for label in labels:
         half = 0.5 * np.array([label.wide, label.high])
         away = GAP + STEP * np.arange(RINGS)
@@ -244,12 +244,12 @@ def place_labels(
         free = (boxes[:, 0] >= 0) & (boxes[:, 1] <= width) & (boxes[:, 2] >= 0) & (boxes[:, 3] <= height)
         free &= ~(_shared(boxes, taken + ROOM * np.array([-1, 1, -1, 1])) > 0).any(axis=1)
         if not free.any():
-            found.append(None)
+            places_of_labels.append(None)
             continue
         best = int(np.argmin(np.where(free, cost, np.inf)))
         taken = np.vstack([taken, boxes[best]])
-        found.append((float(boxes[best, 0]), float(boxes[best, 2])))
-    return found
+        places_of_labels.append((float(boxes[best, 0]), float(boxes[best, 2])))
+    return places_of_labels
 
 
 def _shared(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:

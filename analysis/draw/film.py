@@ -207,7 +207,7 @@ def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: 
 def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
     from imageio_ffmpeg import write_frames
 
-    open_to_write(out).close()  # a place that cannot be written is found before ffmpeg starts
+    open_to_write(out).close()  # a place that cannot be written is reported before ffmpeg starts
     # yuv420p and the index in front: plays in every browser while loading
     options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:
@@ -262,7 +262,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow, arrows: ForceArrows | 
         Of a Dump only the ten frames are parsed.
     flow : Flow
     arrows : ForceArrows, optional
-        Forces that are drawn on the outlines of structures; their scale stands at the top.
+        Forces that are drawn on the outlines of structures; their scale is at the top.
     """
     indices = ten_indices(len(frames))
     chosen = list(frames.select(indices)) if isinstance(frames, Dump) else [frames[i] for i in indices]
@@ -283,7 +283,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow, arrows: ForceArrows | 
             if arrows is not None:
                 arrows.paint(picture, view, time, walls)
             axes = figure.add_subplot(place)
-            axes.add_image(Painted(picture, axes, view))
+            axes.add_image(RasterImage(picture, axes, view))
             # no title: its place is sought among all ticks, which took a fifth of the time
             text = f"{flow.clock(time)}   {flow.count(frame)} discs"
             axes.annotate(text, (0, 1), (0, 3), "axes fraction", "offset points", fontsize=8)
@@ -317,7 +317,7 @@ def _tell_scales(figure: Figure, scales: Sequence[ScaleArrow], inches: float) ->
         right = start - 0.25 / wide
 
 
-class Painted(AxesImage):
+class RasterImage(AxesImage):
     """A picture of a view that fills its axes, pixel for pixel; matplotlib's own images take eight times as long."""
 
     def __init__(self, picture: np.ndarray, axes: Axes, view: View):

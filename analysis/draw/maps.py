@@ -27,7 +27,7 @@ def axis_label(quantity: xr.DataArray) -> str:
 
 
 def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float], marks: Mapping[str, float]) -> Chart:
-    """Mean free surface and mass depth along the channel, with the classical depths beside them; velocity below.
+    """Mean free surface and mass depth along the channel, with the classical depths; velocity below.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def bed_pressure(fields: xr.Dataset) -> xr.Dataset:
 
 
 def bed_pressure_chart(fields: xr.Dataset) -> Chart:
-    """Vertical stress at the bed along the channel beside the weight of what lies above."""
+    """Vertical stress at the bed along the channel, and the weight of what lies above."""
     pressure = bed_pressure(fields)
     x, stress, weight = pressure.x.values, pressure.stress.values / 1e3, pressure.hydrostatic.values / 1e3
     lines = (

@@ -140,10 +140,10 @@ def paint_walls(picture: np.ndarray, view: View, walls: tuple[Wall, ...], gates:
             distance = gate.distance(*_centres(view, slice(None), slice(None)))
             solid |= (distance < 0) & (distance > -bar)
     picture[solid] = SOLID
-    # the face of a wall is the first solid pixel beside an open one
+    # the face of a wall is the first solid pixel next to an open one
     open_ = np.pad(~solid, 1, constant_values=False)
-    beside = open_[:-2, 1:-1] | open_[2:, 1:-1] | open_[1:-1, :-2] | open_[1:-1, 2:]
-    picture[solid & beside] = EDGE
+    is_next_to_open = open_[:-2, 1:-1] | open_[2:, 1:-1] | open_[1:-1, :-2] | open_[1:-1, 2:]
+    picture[solid & is_next_to_open] = EDGE
 
 
 def _centres(view: View, rows: slice, columns: slice) -> tuple[np.ndarray, np.ndarray]:
@@ -169,7 +169,7 @@ def _solid(wall: Wall, view: View) -> np.ndarray:
 
 
 def _mark_turns(polygon: np.ndarray, view: View, turns: np.ndarray) -> None:
-    """Turn over the first pixel behind each crossing of a closed polygon with a row of pixels."""
+    """Turns over the first pixel after each crossing of a closed polygon with a row of pixels."""
     column, row = view.column(polygon[:, 0]), view.row(polygon[:, 1])
     first = np.clip(np.ceil(np.minimum(row, np.roll(row, -1)) - 0.5), 0, view.height).astype(int)
     last = np.clip(np.ceil(np.maximum(row, np.roll(row, -1)) - 0.5), 0, view.height).astype(int)

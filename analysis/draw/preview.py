@@ -11,7 +11,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.scene.bodies import Free
-from lammps_jump.scene.motion import MovingWall, Placed, Pose
+from lammps_jump.scene.motion import MovingWall, Pose, WallAtStep
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.shapes import rectangle, thin
 from lammps_jump.scene.walls import Interval, Wall, parts_of
@@ -56,7 +56,7 @@ def scene_drawing(
     regions : sequence of NamedRegion
         Named rectangles of discs.
     sequent : float, optional
-        Depth to expect behind a jump, m above the bed.
+        Depth to expect downstream of a jump, m above the bed.
     widest : float
         Pixels of its width at most.
     """
@@ -99,8 +99,8 @@ def _corners(wall: Wall, x: Interval, y: Interval) -> np.ndarray:
     return np.concatenate([*outlines, *lines])
 
 
-def _at(one: MovingWall, pose: Pose) -> Placed:
-    return Placed(one.wall, pose, one.motion.about)
+def _at(one: MovingWall, pose: Pose) -> WallAtStep:
+    return WallAtStep(one.wall, pose, one.motion.about)
 
 
 def _shown(
@@ -300,7 +300,7 @@ def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
 
 
 def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
-    """The name of a wall and what becomes of it, on its solid or beside its edge."""
+    """The name of a wall and what becomes of it, on its solid or next to its edge."""
     wall, motion = one.first, one.motion
     text = wall.name if motion.kind is None else f"{wall.name} ({motion.kind.kind})"
     if np.isfinite(motion.gone):

@@ -104,16 +104,16 @@ def colour_bar(figure: Figure, colours: Any, label: str, **place: Any) -> Any:
     return bar
 
 
-def save(figure: Figure, path: str | Path, beside: Callable[[Image], None] | None = None) -> Path:
+def save(figure: Figure, path: str | Path, use_picture: Callable[[Image], None] | None = None) -> Path:
     """Write a figure; the format follows the ending of the name. DumpError where the place cannot be written.
 
-    `beside` gets the picture of a PNG, in a thread of its own while it is packed.
+    `use_picture` gets the picture of a PNG, in a thread of its own while it is packed.
     """
     path, drawn = Path(path), io.BytesIO()
     try:
         with style():
             if path.suffix == ".png":
-                _draw_png(figure, drawn, beside)
+                _draw_png(figure, drawn, use_picture)
             else:
                 figure.savefig(drawn, format=path.suffix.removeprefix("."))
         return write_bytes(path, drawn.getbuffer())
@@ -121,7 +121,7 @@ def save(figure: Figure, path: str | Path, beside: Callable[[Image], None] | Non
         raise DumpError(f"{path}: the figure cannot be written ({error}).") from error
 
 
-def _draw_png(figure: Figure, out: IO[bytes], beside: Callable[[Image], None] | None) -> None:
+def _draw_png(figure: Figure, out: IO[bytes], use_picture: Callable[[Image], None] | None) -> None:
     """The picture of one drawing: ``savefig`` lays a figure out and draws it twice, which is most of its time."""
     from PIL.Image import fromarray
 
@@ -130,7 +130,7 @@ def _draw_png(figure: Figure, out: IO[bytes], beside: Callable[[Image], None] | 
     figure.canvas.draw()
     picture = fromarray(np.asarray(cast(Any, figure.canvas).buffer_rgba())).convert("RGB")
     figure.set_dpi(before)
-    thread = Thread(target=beside, args=(picture,)) if beside else None
+    thread = Thread(target=use_picture, args=(picture,)) if use_picture else None
     if thread:
         thread.start()
     # level 3 packs a figure in two thirds of the time of zlib's default, for files no larger
@@ -147,11 +147,11 @@ def drawn(shown: Chart | Bars | Map) -> Figure:
 
 
 def _draw_chart(chart: Chart) -> Figure:
-    count, beside = len(chart.panels), any(panel.x for panel in chart.panels)
+    count, has_other_axes = len(chart.panels), any(panel.x for panel in chart.panels)
     heights = [panel.height for panel in chart.panels]
-    rows, columns = (1, count) if beside else (count, 1)
-    shape: dict[str, Any] = {} if beside else {"height_ratios": heights, "sharex": True}
-    size = (8.4, 3.8) if beside else (7.4, 1.2 + 2.5 * sum(heights) / max(heights))
+    rows, columns = (1, count) if has_other_axes else (count, 1)
+    shape: dict[str, Any] = {} if has_other_axes else {"height_ratios": heights, "sharex": True}
+    size = (8.4, 3.8) if has_other_axes else (7.4, 1.2 + 2.5 * sum(heights) / max(heights))
     with drawing(*size, rows, columns, squeeze=False, **shape) as (figure, grid):
         for axes, panel in zip(grid.flat, chart.panels, strict=True):
             _draw_panel(axes, panel)

@@ -19,7 +19,7 @@ from .drawing import BAND, HEIGHTS, Area, Arrow, Drawing, DrawnDiscs, Shape, Str
 LEFT, RIGHT, BELOW, ABOVE = 46, 12, 40, 24
 """Pixels around the axes."""
 SHADES = 12
-"""Sizes of discs that are told apart."""
+"""Sizes of discs that are distinguished."""
 APART = 80.0
 """Pixels between the ticks of an axis, about."""
 TONES = {"plain": "#1a1a1a", "blue": "#00306f", "red": "#b3263a"}
@@ -40,13 +40,14 @@ LOOKS = {
 
 
 def svg_text(drawing: Drawing) -> str:
-    """Text of the drawing, whose labels are placed; a description for readers that do not see stands in it."""
+    """Text of the drawing, whose labels are placed; it has a description for readers that do not see."""
     wide, high = drawing.size
     size = wide + LEFT + RIGHT, high + ABOVE + BELOW
     shapes = sorted(drawing.shapes, key=lambda shape: HEIGHTS[shape.look])
-    told = html.escape(visible(f"Drawing of {drawing.title}; {drawing.aside}"))
+    label = html.escape(visible(f"Drawing of {drawing.title}; {drawing.aside}"))
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch" role="img" aria-label="{told}" width="{size[0]:z.0f}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch" role="img" aria-label="{label}" '
+        f'width="{size[0]:z.0f}" '
         f'height="{size[1]:z.0f}" viewBox="0 0 {size[0]:z.1f} {size[1]:z.1f}" font-family="system-ui, sans-serif" '
         f'font-size="13"><text class="aside" x="{LEFT + wide:z.1f}" y="15" text-anchor="end" fill="#555555">'
         f'{html.escape(drawing.aside)}</text>{_axes(drawing)}<svg x="{LEFT}" y="{ABOVE}" width="{wide:z.1f}" '

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Figures and section of the forces: history, impulse, reflected wave, each with its estimate beside it."""
+"""Figures and section of the forces: history, impulse, reflected wave, each with its estimate."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -63,11 +63,11 @@ OVERTURNING = ("overturning_right", "weight_right", "overturning_left", "weight_
 """Numbers of the tables of the section."""
 
 
-def section(found: Forces) -> Section:
+def section(forces: Forces) -> Section:
     """Forces on the probed structures, the impulse identity, the reflected wave."""
-    touched = {name: force for name, force in found.structures.items() if force.component}
+    touched = {name: force for name, force in forces.structures.items() if force.component}
     steady = {name: force for name, force in touched.items() if known(force.startup_peak)}
-    untouched = [name for name, force in found.structures.items() if force.reason]
+    untouched = [name for name, force in forces.structures.items() if force.reason]
     blocks: list[Block] = [
         _table("Means of the window", steady, MEANS),
         _table(f"Largest, means over {LOW_PASS:zg} s", touched, LARGEST),
@@ -80,7 +80,7 @@ def section(found: Forces) -> Section:
         Text("Directions are angles to the x axis, anticlockwise: −90 degrees is down." if touched else "", "small"),
         Text(f"Nothing touched {', '.join(untouched)}." if untouched else ""),
     ]
-    return Section("Forces", [*blocks, *map(Text, found.notes)])
+    return Section("Forces", [*blocks, *map(Text, forces.notes)])
 
 
 def _table(title: str, structures: Mapping[str, Force], keys: Sequence[str]) -> Table:
@@ -88,11 +88,11 @@ def _table(title: str, structures: Mapping[str, Force], keys: Sequence[str]) -> 
     numbers, rows = numbers_of(Force), []
     scales = {key: KILO if numbers[key].unit.startswith("N") else 1.0 for key in keys}
     for name, force in structures.items():
-        told = [
+        shown_numbers = [
             cut(force, key, scale) if sure_of(force, key).value else _scaled(force, key, scale)
             for key, scale in scales.items()
         ]
-        rows.append((name, *([component_of(force)] if "peak" in keys else []), *told))
+        rows.append((name, *([component_of(force)] if "peak" in keys else []), *shown_numbers))
     heads = [heading(numbers[key].meaning, f"{'k' * (scale > 1)}{numbers[key].unit}") for key, scale in scales.items()]
     return Table(rows, (title, *(["component"] if "peak" in keys else []), *heads))
 
@@ -175,16 +175,16 @@ def impulse_chart(result: Forces) -> Chart | None:
 
 def _about_toes(name: str, force: Force) -> list[Trace]:
     """Moments of the discs on a body about both ends of its base, and what its weight holds against them."""
-    time, found, shares = force.table["time"], [], {}
+    time, traces, shares = force.table["time"], [], {}
     for side, look in (("right", "first"), ("left", "second")):
         values = force.table[f"moment_{side}_toe_smooth"]
-        found.append(Trace(f"{name}, about its {side} toe, anticlockwise", time, values / KILO, look))
+        traces.append(Trace(f"{name}, about its {side} toe, anticlockwise", time, values / KILO, look))
         shares[side] = np.nan_to_num(getattr(force, f"overturning_{side}")) / getattr(force, f"weight_{side}")
     side = max(shares, key=shares.__getitem__)
     bears = (-1.0 if side == "right" else 1.0) * getattr(force, f"weight_{side}") / KILO
     stood = np.flatnonzero(np.isfinite(force.table[f"moment_{side}_toe"]))
     ends = time[stood[[0, -1]]] if stood.size else time[:0]
-    return [*found, Trace(f"what its weight holds over the {side} toe", ends, np.full(len(ends), bears), "theory")]
+    return [*traces, Trace(f"what its weight holds over the {side} toe", ends, np.full(len(ends), bears), "theory")]
 
 
 def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
@@ -208,14 +208,14 @@ def _touched(key: str, summary: Mapping[str, Any]) -> dict[str, str]:
 
     A stream has a mean of the component, an impact its peak and its impulse.
     """
-    found = {
+    touching_sides = {
         name: str(values.get("component") or "fx")
         for name, values in part(summary, "force").items()
         if isinstance(values, Mapping) and not values.get("reason")
     }
     if not summary.get("inflow"):
-        return found if key in ("peak", "impulse") else {}
-    return {name: component for name, component in found.items() if key == f"mean_{component}"}
+        return touching_sides if key in ("peak", "impulse") else {}
+    return {name: component for name, component in touching_sides.items() if key == f"mean_{component}"}
 
 
 def _at_rest(wanted: HeadlineNumber, name: str, summary: Mapping[str, Any]) -> bool:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Force on structures: history, impulse, peak behind a stated low-pass, estimates, and the impulse identity.
+"""Force on structures: history, impulse, peak after a stated low-pass, estimates, and the impulse identity.
 
 Fx and fy are what the discs do to a structure, N per metre of width.
 
@@ -126,7 +126,7 @@ def toes_of(one: MovingWall, flow: Flow, history: ForceHistory, point: MomentPoi
 
 
 LOW_PASS = 0.05
-"""Width of the centred moving mean behind which peaks are quoted, s."""
+"""Width of the centred moving mean after which peaks are quoted, s."""
 UNTOUCHED = "nothing touched it"
 """Why a structure has no component."""
 PEAK_BLOCK, LEAST_BLOCKS = 0.5, 4
@@ -166,7 +166,7 @@ def peak_error(time: np.ndarray, force: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Force(Estimates):
-    """Force of the discs on one structure, per metre of width; peaks are behind the low-pass.
+    """Force of the discs on one structure, per metre of width; peaks are those after the low-pass.
 
     Where discs flow in all the time, peaks and largest values are those of the window, and `startup_peak` is the
     largest force before it. Else they are those after t = 0.
@@ -183,7 +183,7 @@ class Force(Estimates):
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
     N m, and where walls move power, W); the point of the moment (``moment_x``, ``moment_y``, m), and of a body
     ``moment_left_toe`` and ``moment_right_toe``, N m, NaN where it does not stand on its base any more; force and
-    moment behind the low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``,
+    moment after the low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``,
     ``impulse_y``, N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for
     that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it,
     rho s u^2 + rho g s^2/2 where u runs towards it, N, with its first part alone, ``oncoming_flux``.
@@ -258,8 +258,8 @@ class Forces:
     @property
     def notes(self) -> list[str]:
         """Sentences on the identities and the reflected wave."""
-        found = [identity_sentence(identity) for identity in self.identities]
-        return [*found, *([self.reflected.sentence()] if self.reflected else [])]
+        sentences = [identity_sentence(identity) for identity in self.identities]
+        return [*sentences, *([self.reflected.sentence()] if self.reflected else [])]
 
     def summary(self) -> dict[str, Any]:
         """As under ``force`` in ``summary.json``: the structures by name, and what belongs to all of them."""
@@ -274,7 +274,7 @@ class Forces:
 
     @classmethod
     def of(cls, summary: Mapping[str, Any]) -> Forces:
-        """Histories that stand under ``force`` in ``summary.json``."""
+        """Histories that are under ``force`` in ``summary.json``."""
         walls = {name: from_summary(Force, one) for name, one in summary.items() if name not in BESIDE}
         axes = (summary.get("identity") or {}).items()
         identities = (replace(from_summary(Identity, one), axis=axis) for axis, one in axes)
@@ -303,7 +303,7 @@ def analyse_forces(
     momentum : MomentumHistory, optional
     profiles : xarray.Dataset
     """
-    # no depth stands before a wall that moves away, and its moment is about its own point
+    # there is no depth before a wall that moves away, and its moment is about its own point
     walls = {wall.name: wall for wall, motion in flow.scene.walls if motion.kind is None}
     bodies, free = _bodies(flow), {one.wall.name: one for one in flow.scene.bodies}
     structures = {}
@@ -472,20 +472,20 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
 
 
 def _about(table: Mapping[str, np.ndarray], toes: Toes | None, when: np.ndarray) -> dict[str, float]:
-    """Fields of the point of the moment, and of the moments about both toes behind the low-pass, N m/m."""
-    found = {name: float(table[name][0]) for name in ("moment_x", "moment_y") if name in table}
+    """Fields of the point of the moment, and of the moments about both toes after the low-pass, N m/m."""
+    moments = {name: float(table[name][0]) for name in ("moment_x", "moment_y") if name in table}
     if toes is not None:
         over = {"right": -table["moment_right_toe_smooth"], "left": table["moment_left_toe_smooth"]}
         largest = {side: float(np.nanmax(np.where(when, values, nan), initial=0.0)) for side, values in over.items()}
-        found |= {f"overturning_{side}": value for side, value in largest.items() if value > 0}
-        found |= {"weight_right": toes.weight_right, "weight_left": -toes.weight_left}
-    return found
+        moments |= {f"overturning_{side}": value for side, value in largest.items() if value > 0}
+        moments |= {"weight_right": toes.weight_right, "weight_left": -toes.weight_left}
+    return moments
 
 
 def _resultants(
     table: Mapping[str, np.ndarray], biggest: Callable[[np.ndarray], tuple[float, float]], means: Sequence[float]
 ) -> dict[str, float]:
-    """The largest resultant behind the low-pass and that of the means (N/m), with their directions, degrees."""
+    """The largest resultant after the low-pass and that of the means (N/m), with their directions, degrees."""
     fx, fy, time = (table[name] for name in ("fx_smooth", "fy_smooth", "time"))
     largest, when = biggest(np.hypot(fx, fy))
     at = int(np.argmax(time == when))
@@ -545,7 +545,7 @@ def _ratio(force: float, expected: float) -> float:
 
 
 def _reflected(structures: Mapping[str, Force], flow: Flow, profiles: xr.Dataset) -> ReflectedWave | None:
-    """The wave thrown back by the first block that stands in a stream towards +x."""
+    """The wave thrown back by the first block in a stream towards +x."""
     along = [force.wall for force in structures.values() if force.wall is not None and force.component == "fx"]
     blocks = [wall for wall in along if wall.finite and not wall.hollow]
     if not blocks or flow.gravity <= 0 or flow.scene.inlets:

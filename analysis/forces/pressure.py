@@ -79,17 +79,17 @@ def analyse(gathered: Gathered) -> dict[str, Pressure] | None:
     low, high = window_of(gathered.profiles)
     inside = (record.time > low) & (record.time <= high + 1e-9)
     rows = inside, inside if flow.scene.inlets else live
-    found: dict[str, Pressure] = {}
+    pressures: dict[str, Pressure] = {}
     for name in names:
         of_wall = [k for k, one in enumerate(flow.scene.pressure) if one.wall == name]
         bins = [k for k in of_wall if not flow.scene.pressure[k].gauge]
         if bins:
-            found[name] = _found(record, flow.scene.pressure, bins, rows)
+            pressures[name] = _found(record, flow.scene.pressure, bins, rows)
         gauges = [k for k in of_wall if flow.scene.pressure[k].gauge]
-        found |= {
+        pressures |= {
             f"{name}_{place}": _found(record, flow.scene.pressure, [k], rows) for place, k in enumerate(gauges, 1)
         }
-    return found
+    return pressures
 
 
 def _found(
@@ -134,7 +134,7 @@ def _resultant(
     across, firsts = record.across[inside][:, which], record.first[inside][:, which]
     strongest = int(np.argmax(across.mean(axis=0)))
     face = np.hypot(*(along - along[strongest]).T) < SAME
-    # of faces that run alike, such as treads of stairs, those beside each other are one
+    # of faces that run alike, such as treads of stairs, those next to each other are one
     parts = np.split(np.flatnonzero(face), np.flatnonzero(np.diff(np.flatnonzero(face)) > 1) + 1)
     face = next(part for part in parts if strongest in part)
     force: Mean = mean_of(across[:, face].sum(axis=1))
@@ -148,11 +148,11 @@ def _resultant(
     return as_fields(force=force) | {"force_x": x, "force_y": y, "force_height": y - min(ends)}
 
 
-def dataset(found: Mapping[str, Pressure]) -> Mapping[str, xr.Dataset]:
-    """All stretches behind each other, as ``pressure.nc``."""
+def dataset(pressures: Mapping[str, Pressure]) -> Mapping[str, xr.Dataset]:
+    """All stretches one after the other, as ``pressure.nc``."""
     import xarray as xr  # 0.3 s
 
-    parts = [(name, one) for name, one in found.items() if one.table]
+    parts = [(name, one) for name, one in pressures.items() if one.table]
     if not parts:
         return {}
     stretches = [(name, stretch) for name, one in parts for stretch in one.stretches]
@@ -176,16 +176,16 @@ def dataset(found: Mapping[str, Pressure]) -> Mapping[str, xr.Dataset]:
     return {"pressure.nc": xr.Dataset(data, coords)}
 
 
-def summary(found: Mapping[str, Pressure]) -> dict[str, object]:
+def summary(pressures: Mapping[str, Pressure]) -> dict[str, object]:
     """As under ``pressure`` in ``summary.json``: walls and gauges by name."""
-    return {name: as_summary(one) for name, one in found.items()}
+    return {name: as_summary(one) for name, one in pressures.items()}
 
 
-def figures(found: Mapping[str, Pressure], _: Gathered) -> Drawings:
+def figures(pressures: Mapping[str, Pressure], _: Gathered) -> Drawings:
     """Pressure along each outline, and at gauges against time."""
     along: list[Panel] = []
     gauges: list[Trace] = []
-    for name, one in found.items():
+    for name, one in pressures.items():
         if not one.table:
             continue
         if one.stretches[0].gauge:
@@ -222,10 +222,10 @@ def _abscissa(one: Pressure) -> tuple[str, np.ndarray]:
     return "Along the outline [m]", np.array([0.5 * (stretch.begin + stretch.end) for stretch in one.stretches])
 
 
-def section(found: Mapping[str, Pressure]) -> Section:
+def section(pressures: Mapping[str, Pressure]) -> Section:
     """The numbers of each wall and gauge."""
     blocks: list[Table | Text] = []
-    for name, one in found.items():
+    for name, one in pressures.items():
         keys = [key for key in KEYS if known(getattr(one, key))]
         if keys:
             blocks.append(Table(described(one, *keys), (f"Pressure on {name}", "")))

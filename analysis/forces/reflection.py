@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HALF = 0.5
-"""The front stands where the velocity has fallen to this share of the highest velocity of the oncoming stream."""
+"""The front is where the velocity has fallen to this share of the highest velocity of the oncoming stream."""
 
 
 @dataclass(frozen=True)

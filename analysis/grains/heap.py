@@ -142,7 +142,7 @@ class StandingColumn(NamedTuple):
         return tuple(side for side, free in zip((-1, 1), self.free, strict=True) if free)
 
 
-class Remains(NamedTuple):
+class LastFrames(NamedTuple):
     """Remains of the frames: the last one with discs, its time (s), and the column at the start, if there was one."""
 
     frame: Frame | None
@@ -221,15 +221,15 @@ class HeapWatch:
         height = top - float(bed if np.isfinite(bed) else bottom)
         return StandingColumn(left, right, height, free) if any(free) and height > 0 else None
 
-    def result(self) -> Remains:
+    def result(self) -> LastFrames:
         """Remains of all frames."""
-        return Remains(*self._last, None if self._fed else self._column)
+        return LastFrames(*self._last, None if self._fed else self._column)
 
 
 def shape_of(frame: Frame, flow: Flow) -> Shape:
     """Surface of a frame in bins one diameter wide, and its flanks."""
-    found = bin_frames([frame], replace(flow, bin_width=flow.scene.diameter))
-    x, bed, depth = found["x"].values, found["bed"].values, np.nan_to_num(found["surface_depth"].values[0])
+    dataset = bin_frames([frame], replace(flow, bin_width=flow.scene.diameter))
+    x, bed, depth = dataset["x"].values, dataset["bed"].values, np.nan_to_num(dataset["surface_depth"].values[0])
     bed = np.where(np.isfinite(bed), bed, np.nanmin(bed) if np.isfinite(bed).any() else 0.0)
     left, right = (flank_of(x, bed + depth, depth, side, flow.fit_stretch) for side in (-1, 1))
     return Shape(x, bed, depth, (left, right))
@@ -247,7 +247,7 @@ def cut_to_discs(shape: Shape) -> Shape:
 def analyse(gathered: Gathered) -> Heap:
     """The heap of a run at its last frame; with a reason where the scene makes none."""
     flow, remains = gathered.flow, gathered.histories["heap"]
-    assert isinstance(remains, Remains)
+    assert isinstance(remains, LastFrames)
     if flow.gravity <= 0 or flow.scene.inlets:
         return Heap(reason="a heap needs gravity, and no rows of inflow")
     if remains.frame is None:
@@ -256,8 +256,8 @@ def analyse(gathered: Gathered) -> Heap:
     height = float(shape.depth.max())
     if not height > 0:
         return Heap(reason="no disc lies on the bed")
-    found = [_angle(flank, side, flow) for flank, side in zip(shape.flanks, (-1, 1), strict=True)]
-    angles, intervals = zip(*found, strict=True)
+    flank_angles = [_angle(flank, side, flow) for flank, side in zip(shape.flanks, (-1, 1), strict=True)]
+    angles, intervals = zip(*flank_angles, strict=True)
     known = np.isfinite(angles)
     frame, scene = remains.frame, flow.scene
     middle = float(shape.x[shape.depth == height].mean())
@@ -288,21 +288,21 @@ def _angle(flank: Flank, side: int, flow: Flow) -> tuple[float, float]:
     """Angle of a flank to the horizontal and half of its interval, degrees; gravity may be tilted."""
     tilt = degrees(atan2(flow.scene.gravity[0], flow.gravity))
     interval = degrees(flank.interval / (1.0 + flank.fall**2))
-    found = degrees(atan(flank.fall)) + side * tilt, interval
-    return (nan, nan) if interval > MOST_INTERVAL else found  # a few bins that lie on no line
+    angle = degrees(atan(flank.fall)) + side * tilt, interval
+    return (nan, nan) if interval > MOST_INTERVAL else angle  # a few bins that lie on no line
 
 
 def _end(frame: Frame, flow: Flow, start: float, side: int, *, bulk: bool) -> float:
     """End of the discs on one side of a place (m): the bulk from there on, or 99 % of them, m."""
     d, radii = flow.scene.diameter, flow.radii(frame)
-    # where nominal discs with the same outer edges would stand
+    # where nominal discs with the same outer edges would be
     outer = side * (frame.x - start) + radii - flow.scene.radius
     outer = outer[outer > -d]
-    found = bulk_front(outer, d, 2 * flow.largest_radius(frame)) if bulk else quantile_front(outer, d)
-    return start + side * found
+    front = bulk_front(outer, d, 2 * flow.largest_radius(frame)) if bulk else quantile_front(outer, d)
+    return start + side * front
 
 
-def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, Any]:
+def _run_out(remains: LastFrames, flow: Flow, shape: Shape) -> dict[str, Any]:
     """Numbers of a column that has run out, by key; none where there was no column."""
     column, frame = remains.column, remains.frame
     if column is None or frame is None:
@@ -365,7 +365,7 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     for flank, angle in zip(shape.flanks, (heap.angle_left, heap.angle_right), strict=True):
         if isfinite(angle):
             lines.append(Trace(f"flank, {angle:z.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
-    column = remains.column if isinstance(remains, Remains) else None
+    column = remains.column if isinstance(remains, LastFrames) else None
     theirs = published_shape(column)
     if theirs is not None and column is not None:
         x = column.back + column.sides[-1] * column.base * np.array(theirs.shape.x)
@@ -376,7 +376,7 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
 
 
 def section(heap: Heap) -> Section:
-    """Height and slopes; run-out of a column beside published ones."""
+    """Height and slopes; run-out of a column compared with published ones."""
     if not known(heap.height):
         return Section("Heap", [Text(heap.reason or "", "warn")])
     rows = [*described(heap, "height", "top", "left", "right")]

@@ -119,8 +119,8 @@ class Sums:
 def stretch_of(flow: Flow) -> Interval:
     """The stretch of x that the flow asks for, else the middle half of the studied range, m."""
     low, high = flow.x_range
-    asked = flow.layers[0] if flow.layers else None
-    return asked or (low + 0.25 * (high - low), high - 0.25 * (high - low))
+    stretch = flow.layers[0] if flow.layers else None
+    return stretch or (low + 0.25 * (high - low), high - 0.25 * (high - low))
 
 
 def edges_of_layers(flow: Flow, stretch: Interval) -> np.ndarray:
@@ -164,11 +164,11 @@ class LayerSums:
             discs = FrameDiscs.of(frame.x, frame.y, frame.vx, frame.vy, flow.radii(frame), mass)
             add_discs(discs, where, sums)
             if flow.knows_contacts:
-                found = touching(frame, flow)
-                fx, fy = whole_forces(frame, flow, found)
-                reach = discs.radius[found.second] - found.overlap
-                contacts = np.column_stack([found.nx, found.ny, reach, fx, fy])
-                first, second = found.first.astype(np.int64), found.second.astype(np.int64)
+                pairs = touching(frame, flow)
+                fx, fy = whole_forces(frame, flow, pairs)
+                reach = discs.radius[pairs.second] - pairs.overlap
+                contacts = np.column_stack([pairs.nx, pairs.ny, reach, fx, fy])
+                first, second = pairs.first.astype(np.int64), pairs.second.astype(np.int64)
                 _add_contacts(
                     n=frame.n, x=discs.x, y=discs.y, count=len(contacts), first=first, second=second, contact=contacts,
                     numbers=where, layers=sums.shape[1], sums=sums,
@@ -186,7 +186,7 @@ class LayerSums:
 def add_discs(discs: FrameDiscs, where: np.ndarray, sums: np.ndarray) -> None:
     """Add discs to the sums of the layers; `where` holds begin and end in x, lowest edge and height of a layer, m.
 
-    At the ends of the stretch the share in x times that in y stands for the share of the area in both. The mass of
+    At the ends of the stretch the share in x times that in y replaces the share of the area in both. The mass of
     `discs` is in kg/m.
     """
     layers, (x, y, u, v, radius, mass) = sums.shape[1], discs
@@ -215,19 +215,19 @@ def add_discs(discs: FrameDiscs, where: np.ndarray, sums: np.ndarray) -> None:
         sums[row] += np.bincount(place.ravel(), weight.ravel(), layers + 2)[1:-1]
 
 
-def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
+def profile_of(layer_sums: Sums, inside: np.ndarray, flow: Flow) -> Profile:
     """Profile of the mean of some frames, up to the highest layer with discs.
 
     Parameters
     ----------
-    found : Sums
+    layer_sums : Sums
     inside : ndarray of bool, shape (frames,)
     flow : Flow
     """
-    sums = found.sums[inside].mean(axis=0)
+    sums = layer_sums.sums[inside].mean(axis=0)
     count = 1 + int(np.flatnonzero(sums[MASS] > 0).max(initial=0))
-    sums, edges = sums[:, :count], found.edges[: count + 1]
-    area = (found.stretch[1] - found.stretch[0]) * (edges[1] - edges[0])
+    sums, edges = sums[:, :count], layer_sums.edges[: count + 1]
+    area = (layer_sums.stretch[1] - layer_sums.stretch[0]) * (edges[1] - edges[0])
     with np.errstate(divide="ignore", invalid="ignore"):
         u, v, y, uu, vv, uv, uy, vy, yy = np.where(sums[MASS] > 0, sums[U : YY + 1] / sums[MASS], nan)
         shear, spread = _slopes(y, u), yy - y * y
@@ -237,7 +237,7 @@ def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
         across = vv - v * v
         kinetic = sums[MASS] / area * np.array([along, across, mixed])
         contact = np.array([sums[FXX], sums[FYY], 0.5 * (sums[FXY] + sums[FYX])]) / area
-        contact = contact if found.stressed else np.full_like(contact, nan)
+        contact = contact if layer_sums.stressed else np.full_like(contact, nan)
         xx, yy_, xy = contact + kinetic
         packing = sums[AREA] / area
         pressure = np.where((yy_ > 0) & (packing >= THIN), yy_, nan)
@@ -251,29 +251,29 @@ def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
 def _slopes(y: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Slope of u over y, both of shape (n,), without the gaps; 0 for a single layer."""
     there = np.isfinite(u)
-    found = np.full(len(u), nan)
-    found[there] = np.gradient(u[there], y[there]) if there.sum() > 1 else 0.0
-    return found
+    slopes = np.full(len(u), nan)
+    slopes[there] = np.gradient(u[there], y[there]) if there.sum() > 1 else 0.0
+    return slopes
 
 
 def analyse(gathered: Gathered) -> LayerProfiles:
     """Profiles over the layers of a run, of the frames in its window."""
-    flow, found = gathered.flow, gathered.histories["layers"]
-    assert isinstance(found, Sums)
-    inside = within(found.time, window_of(gathered.profiles))
-    unknown = inside & np.isnan(found.sums[:, U]).any(axis=1)  # a disc without a velocity lies in a layer
+    flow, layer_sums = gathered.flow, gathered.histories["layers"]
+    assert isinstance(layer_sums, Sums)
+    inside = within(layer_sums.time, window_of(gathered.profiles))
+    unknown = inside & np.isnan(layer_sums.sums[:, U]).any(axis=1)  # a disc without a velocity lies in a layer
     about: dict[str, Any] = {
-        "height": float(found.edges[1] - found.edges[0]),
-        "begin": found.stretch[0],
-        "end": found.stretch[1],
+        "height": float(layer_sums.edges[1] - layer_sums.edges[0]),
+        "begin": layer_sums.stretch[0],
+        "end": layer_sums.stretch[1],
     }
-    if not found.sums[inside, MASS].any():
+    if not layer_sums.sums[inside, MASS].any():
         return LayerProfiles(**about, reason="no disc is in the stretch within the window")
     if unknown.all(where=inside):
         return LayerProfiles(**about, reason="every frame of the window has a disc whose velocity is not known")
     inside &= ~unknown
-    profile = profile_of(found, inside, flow)
-    mass = found.sums[inside, MASS].mean(axis=0)[: len(profile.y)]
+    profile = profile_of(layer_sums, inside, flow)
+    mass = layer_sums.sums[inside, MASS].mean(axis=0)[: len(profile.y)]
     return LayerProfiles(
         layers=int((mass > 0).sum()),
         **about,
@@ -283,9 +283,9 @@ def analyse(gathered: Gathered) -> LayerProfiles:
         fastest=float(profile.velocity[np.nanargmax(np.abs(profile.velocity))]),
         inertial_number=_by_mass(profile.inertial_number, mass),
         friction=_by_mass(profile.friction, mass),
-        change=_change(found.sums[inside]),
+        change=_change(layer_sums.sums[inside]),
         pressure=float(profile.stress_yy[np.flatnonzero(mass > 0)[0]]),
-        reason=None if found.stressed else f"no stress: {flow.no_contacts}",
+        reason=None if layer_sums.stressed else f"no stress: {flow.no_contacts}",
         profile=profile,
     )
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Sizes of the discs that were drawn, as a grading curve by mass, beside the curve that was asked for.
+"""Sizes of the discs that were drawn, as a grading curve by mass, and the requested curve.
 
 Discs of rough beds do not count, nor those that an earlier run brought: their sizes are not drawn.
 """
@@ -23,12 +23,12 @@ from lammps_jump.scene.sizes import Sizes
 from lammps_jump.units import number
 
 SAMPLED = 201
-"""Diameters at which the curves are shown, evenly in their logarithm, beside the ends of the pieces."""
+"""Diameters at which the curves are shown, evenly in their logarithm, besides the ends of the pieces."""
 
 
 @dataclass(frozen=True)
 class SizeCurve:
-    """The curve of the drawn discs beside that asked for.
+    """The curve of the drawn discs and the requested one.
 
     Attributes
     ----------
@@ -85,12 +85,12 @@ def drawn(sizes: Sizes, highest: int) -> np.ndarray:
 
 
 def curve_of(diameters: np.ndarray, sizes: Sizes) -> SizeCurve:
-    """The curve of diameters (m, rising) beside the one that they were drawn from."""
+    """The curve of diameters (m, rising) and the one that they were drawn from."""
     ends = np.unique([*sizes.low, *sizes.high])
     at = np.unique(np.concatenate([ends, np.geomspace(ends[0], ends[-1], SAMPLED)]))
     mass = np.concatenate([[0.0], np.cumsum(diameters**2)])
-    found = mass[np.searchsorted(diameters, at, side="right")] / mass[-1]
-    return SizeCurve(at, sizes.passing(at), found, sizes.passing_error(at, len(diameters)))
+    passing = mass[np.searchsorted(diameters, at, side="right")] / mass[-1]
+    return SizeCurve(at, sizes.passing(at), passing, sizes.passing_error(at, len(diameters)))
 
 
 def analyse(gathered: Gathered) -> DrawnSizes | None:
@@ -112,29 +112,29 @@ def analyse(gathered: Gathered) -> DrawnSizes | None:
     )  # fmt: skip
 
 
-def tables(found: DrawnSizes) -> Tables:
+def tables(sizes: DrawnSizes) -> Tables:
     """The curves, a row a diameter."""
-    return {} if found.curve is None else {"sizes.csv": vars(found.curve)}
+    return {} if sizes.curve is None else {"sizes.csv": vars(sizes.curve)}
 
 
-def figures(found: DrawnSizes, gathered: Gathered) -> Drawings:
+def figures(sizes: DrawnSizes, gathered: Gathered) -> Drawings:
     """The two curves over the diameter."""
-    curve = found.curve
+    curve = sizes.curve
     if curve is None:
         return {}
     traces = [
-        Trace(f"drawn, {found.discs} discs", curve.diameter, 100 * curve.drawn),
+        Trace(f"drawn, {sizes.discs} discs", curve.diameter, 100 * curve.drawn),
         Trace("asked, ± two counting errors", curve.diameter, 100 * curve.asked, "second", 100 * curve.error),
     ]
     return {"sizes": Chart("grading curve", "Diameter d [m]", [Panel("Passing\nby mass [%]", traces, ylim=(0, 100))])}
 
 
-def section(found: DrawnSizes) -> Section:
+def section(sizes: DrawnSizes) -> Section:
     """Sizes by mass."""
-    if not found.discs:
+    if not sizes.discs:
         return Section("Sizes", [])
     keys: Any = ("discs", "d10", "d50", "d90", "uniformity", "d50_asked", "difference", "error")
-    return Section("Sizes", [Table(described(found, *keys))])
+    return Section("Sizes", [Table(described(sizes, *keys))])
 
 
 def has_curve(flow: Flow) -> bool:

@@ -72,17 +72,17 @@ def analyse(gathered: Gathered) -> DiscState:
     known: dict[str, Any] = {"time": time if flow.timed else nan, "discs": frame.n, "first_discs": watch.first}
     known |= {"length": room[0], "height": room[1]}
     speeds = np.hypot(frame.vx, frame.vy)
-    told = np.isfinite(speeds)
-    if not told.any():
+    is_known = np.isfinite(speeds)
+    if not is_known.any():
         return DiscState(**known)
-    speeds, mass = speeds[told], mass[told]
+    speeds, mass = speeds[is_known], mass[is_known]
     median = float(np.median(speeds))
     rest = RestWatch.result(watch)
     return DiscState(
         **known,
         speed=median,
         speed_over_root_gd=median / sqrt(flow.g * flow.scene.diameter) if flow.g > 0 else nan,
-        along=float(np.average(frame.vx[told], weights=mass)),
+        along=float(np.average(frame.vx[is_known], weights=mass)),
         mean_speed=float(np.average(speeds, weights=mass)),
         rest_time=rest.begin if flow.g > 0 and flow.timed else nan,
         at_rest=rests(rest, flow),

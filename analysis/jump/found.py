@@ -59,17 +59,17 @@ MADE_OF = {
 
 def inherited(untold: Sequence[str], made_of: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
     """These numbers and all that are made of them, however far."""
-    found = dict.fromkeys(untold)
-    while more := [key for key, parts in made_of.items() if key not in found and found.keys() & set(parts)]:
-        found |= dict.fromkeys(more)
-    return tuple(found)
+    keys = dict.fromkeys(untold)
+    while more := [key for key, parts in made_of.items() if key not in keys and keys.keys() & set(parts)]:
+        keys |= dict.fromkeys(more)
+    return tuple(keys)
 
 
 BOUNDS = inherited(UNTOLD, MADE_OF)
 LOWER_BOUNDS = tuple(key for key in BOUNDS if not key.startswith("local."))
 """Numbers of a `Jump` whose error is a lower bound."""
 LOCAL_BOUNDS = tuple(key.removeprefix("local.") for key in BOUNDS if key.startswith("local."))
-"""The same of the state beside the jump."""
+"""The same of the state next to the jump."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ def drift(pieces: Sequence[Mapping[str, Any]]) -> Drift:
     if not pieces:
         return Drift()
     half = len(pieces) // 2
-    found = {field.name: _values(pieces, field.name) for field in fields(Drift)}
-    return Drift(**{name: float(values[half:].mean() - values[:half].mean()) for name, values in found.items()})
+    series = {field.name: _values(pieces, field.name) for field in fields(Drift)}
+    return Drift(**{name: float(values[half:].mean() - values[:half].mean()) for name, values in series.items()})
 
 
 def members(jump: Estimates) -> Members:
@@ -117,10 +117,10 @@ def members(jump: Estimates) -> Members:
     return Members(**{key: needed(key) for key in MISSED})
 
 
-def starts_needed(found: Members | None) -> str:
+def starts_needed(members: Members | None) -> str:
     """Number of runs for each number that has one, in words; empty where none has."""
     names = {"y2": "y2", "speed": "the velocity of the front", "froude": "the Froude number"}
-    counts = {name: getattr(found, key, None) for key, name in names.items()}
+    counts = {name: getattr(members, key, None) for key, name in names.items()}
     texts = [f"{count} {'run' if count == 1 else 'runs'} for {name}" for name, count in counts.items() if count]
     return ", ".join([*texts[:-2], " and ".join(texts[-2:])]) if texts else ""
 
@@ -132,12 +132,12 @@ def _values(pieces: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:
 HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
 ASIDE = {"summary": False}
-"""Of what stands in no summary."""
+"""Of what is in no summary."""
 
 
 @dataclass(frozen=True)
 class StandingHeap:
-    """Discs behind the jump that stand still."""
+    """Discs downstream of the jump that stand still."""
 
     standing_share: float = number("", "share of the discs behind the toe that stand still", default=nan)
     surface_slope: float = number("", "slope of the surface behind the crest", default=nan)
@@ -150,7 +150,7 @@ class StandingHeap:
 
 @dataclass(frozen=True)
 class Local(Estimates):
-    """The flow beside the jump and theory for it, frame of the front; 1 is before the toe, 2 behind the end.
+    """The flow next to the jump and theory for it, frame of the front; 1 is before the toe, 2 after the end.
 
     Depths s are by mass, h by the free surface. The comparison of a `Jump` is another one: with the delivered inflow.
     """
@@ -221,7 +221,7 @@ class Budget(Estimates):
 
 @dataclass(frozen=True)
 class Jump(Estimates):
-    """Hydraulic jump: its numbers and theory, as they stand in ``summary.json``; NaN and None where not measured.
+    """Hydraulic jump: its numbers and theory, as they are in ``summary.json``; NaN and None where not measured.
 
     `y1`, `froude`, `y2`, `belanger_y2` and `belanger_deviation` are the one comparison with theory: the depth `at`
     against Bélanger's for the stream `of`, in the frame of the front; `left_out` of the relation. ``_error`` is the
@@ -232,11 +232,11 @@ class Jump(Estimates):
     ----------
     verdict : {'jump', 'marginal jump', 'jump at the sill', 'no jump found', 'drowned inlet', 'locked heap'}
     reason : str
-        One sentence behind the verdict.
+        One sentence that explains the verdict.
     window : (float, float)
         s.
     developed : bool or None
-        A level stretch behind the end was there to be measured.
+        A level stretch after the end was there to be measured.
     """
 
     verdict: str
@@ -292,7 +292,7 @@ class Jump(Estimates):
 
 @dataclass(frozen=True, kw_only=True)
 class TrackedJump(Jump, AlongStream):
-    """A jump as it is looked for in profiles. What it has more than a `Jump` stands in no summary.
+    """A jump as it is looked for in profiles. What it has more than a `Jump` is in no summary.
 
     Attributes
     ----------
@@ -313,7 +313,7 @@ class TrackedJump(Jump, AlongStream):
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredJump(TrackedJump):
-    """A jump that was found and measured in its own frame, or that of a piece of the window.
+    """A jump that was detected and measured in its own frame, or that of a piece of the window.
 
     Attributes
     ----------

@@ -33,9 +33,9 @@ over the last five depths before the toe (measured; docs/measuring.md)."""
 LEAST_ZONE = 0.2
 """Shortest of these stretches, as a share of the longest; the upstream gap gives way to it."""
 SMOOTHED = 0.25
-"""Length over which the mean profile is smoothed before toe and end are looked for, in depths behind the jump."""
+"""Length over which the mean profile is smoothed before toe and end are looked for, in depths after the jump."""
 COVERED = 0.9
-"""Share of the frames that must reach a place behind the jump for it to count."""
+"""Share of the frames that must reach a place downstream of the jump for it to count."""
 
 
 class Moving(NamedTuple):
@@ -110,7 +110,7 @@ def along_stream(fields: xr.Dataset, direction: int, odd: Sequence[str]) -> xr.D
 
 
 def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) -> Moving:
-    """Shift profiles so that the front stands at 0, linear between bins.
+    """Shifts profiles so that the front is at 0, linear between bins.
 
     Parameters
     ----------
@@ -255,10 +255,10 @@ def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravi
 def zones(
     moving: Moving, toe: float, end: float, depth_1: float, depth_2: float
 ) -> tuple[tuple[float, float], tuple[float, float], bool]:
-    """Stretches before the toe and behind the end, m from the front, and whether the second one is long enough.
+    """Stretches before the toe and after the end, m from the front, and whether the second one is long enough.
 
-    They are `UPSTREAM_ZONE` and `DOWNSTREAM_ZONE` depths long and stand `UPSTREAM_GAP` and `DOWNSTREAM_GAP` depths
-    off; depths are those of the two levels, m. Where the profile ends too soon behind the jump, its last `LEAST_ZONE`
+    They are `UPSTREAM_ZONE` and `DOWNSTREAM_ZONE` depths long and are `UPSTREAM_GAP` and `DOWNSTREAM_GAP` depths
+    off; depths are those of the two levels, m. Where the profile ends too soon after the jump, its last `LEAST_ZONE`
     of that must do.
     """
     half = 0.5 * (moving.xi[1] - moving.xi[0])
@@ -398,20 +398,23 @@ class Roller:
 def roller(moving: Moving, speed: float, toe: float, end: float) -> Roller:
     """Extent of the reversed surface.
 
-    The longest run of such bins from a jump's length before the toe to two behind the end.
+    The longest run of such bins from a jump's length before the toe to two after the end.
     """
     xi, surface = moving.xi, moving.mean("surface_velocity")
     width = xi[1] - xi[0]
     length = max(end - toe, width)
     near = (xi > toe - length) & (xi < end + 2 * length)
-    found: dict[str, float] = {}
+    parts_of_roller: dict[str, float] = {}
     for name, level in (("", 0.0), ("_in_jump_frame", speed)):
         run = _longest_run(near & (surface < level))
         if len(run):
-            found |= {f"length{name}": float(width * len(run)), f"start{name}": float(xi[run[0]] - width / 2 - toe)}
+            parts_of_roller |= {
+                f"length{name}": float(width * len(run)),
+                f"start{name}": float(xi[run[0]] - width / 2 - toe),
+            }
     known = moving.fields["surface_velocity"][:, near]
     known = known[np.isfinite(known)]
-    return Roller(**found, reversed_share=float((known < 0).mean()) if known.size else nan)
+    return Roller(**parts_of_roller, reversed_share=float((known < 0).mean()) if known.size else nan)
 
 
 def _longest_run(flags: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The hydraulic jump of a run: found, followed, measured in its own frame, and held against theory.
+"""The hydraulic jump of a run: detected, followed, measured in its own frame, and compared with theory.
 
-Definitions stand in docs/measuring.md.
+Definitions are in docs/measuring.md.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def level_reach(bed: np.ndarray, diameter: float) -> np.ndarray:
 def without_baffles(bed: np.ndarray, depth: np.ndarray, width: float, diameter: float) -> np.ndarray:
     """Heights of the bed (m) in bins of this width, with baffle blocks taken off.
 
-    A baffle stands on one level bed, is lower than `BAFFLE` of the depth (m) above it and shorter than that depth.
+    A baffle is on one level bed, is lower than `BAFFLE` of the depth (m) above it and shorter than that depth.
     """
     bare = bed.copy()
     longest = int(np.nanmax(depth, initial=0.0) / width)
@@ -88,7 +88,7 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     Returns
     -------
     TrackedJump
-        One that was found is a `MeasuredJump`; else the verdict is another, with its reason.
+        One that was detected is a `MeasuredJump`; else the verdict is another, with its reason.
     """
     window, gravity = window_of(profiles), flow.gravity
     in_window = within(profiles["time"].values, window)
@@ -107,12 +107,12 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         bed = scale / profiles.attrs["bin_width"] * contacts.wall_fx
         fields = fields.assign(thrust=(dims, scale * contacts.thrust), bed=(dims, bed))
     stream = frame.along_stream(fields, direction, ODD).isel(x=reach)
-    stands = np.flatnonzero((profiles["bed"].values != bare)[::direction][reach])
-    stream.attrs["clear"] = int(stands[0]) if stands.size else len(reach)
-    found = _follow(nothing, stream, profiles.attrs["bin_width"]).turned(direction)
-    if not isinstance(found, MeasuredJump):
-        return found
-    return replace(found, pieces=tuple(piece.turned(direction) for piece in found.pieces))
+    at_sill = np.flatnonzero((profiles["bed"].values != bare)[::direction][reach])
+    stream.attrs["clear"] = int(at_sill[0]) if at_sill.size else len(reach)
+    jump = _follow(nothing, stream, profiles.attrs["bin_width"]).turned(direction)
+    if not isinstance(jump, MeasuredJump):
+        return jump
+    return replace(jump, pieces=tuple(piece.turned(direction) for piece in jump.pieces))
 
 
 def _follow(nothing: TrackedJump, stream: xr.Dataset, width: float) -> TrackedJump:
@@ -178,8 +178,8 @@ def _measure(
     tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth, known.flow.fit_stretch)
     level = tail.depth.value if isfinite(tail.depth.value) else depth
     inlet = measure_stream(stream, track, used, speed, level, result.flow.gravity)
-    found = frame.roller(moving, speed, toe, end)
-    result = replace(result, stream=inlet, developed=enough, roller=found, tail=tail)
+    roller = frame.roller(moving, speed, toe, end)
+    result = replace(result, stream=inlet, developed=enough, roller=roller, tail=tail)
     return replace(result, pieces=_pieces(result))
 
 
@@ -242,7 +242,7 @@ def _ends(
 
 
 def _heap(stream: xr.Dataset, start: float, gravity: float) -> StandingHeap:
-    """Share of the discs behind the jump that stands still, and how steep their surface is."""
+    """Share of the discs downstream of the jump that stands still, and how steep their surface is."""
     x, depth, discharge = stream.x.values, *(stream[name].values.mean(axis=0) for name in ("mass_depth", "discharge"))
     behind = (x > start) & (depth > 0)
     x, s, q = x[behind], depth[behind], discharge[behind]

@@ -17,7 +17,7 @@ from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Drawings, Panel,
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import HeadlineNumber, Marks, Quantity
-from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
+from lammps_jump.analysis.report.page import Section, SideBySide, Table, Text, cut, described, heading, percent_of
 from lammps_jump.analysis.slope import TurnedFlow, in_place
 from lammps_jump.analysis.statistics import Mean, as_fields, propagated
 from lammps_jump.analysis.verdicts.jump import is_asked
@@ -72,7 +72,7 @@ def stream_chart(jump: Jump) -> Chart | None:
 
 
 def frame_chart(jump: Jump) -> Chart | None:
-    """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth beside them."""
+    """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth."""
     if not isinstance(jump, MeasuredJump):
         return None
     xi, mean = jump.moving.xi, jump.moving.mean
@@ -116,16 +116,16 @@ STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
     ("momentum_upstream", "momentum_downstream"), ("head_upstream", "head_downstream"),
 )  # fmt: skip
-"""Numbers that stand side by side in the table of the states."""
+"""Numbers that are side by side in the table of the states."""
 
 
 def analyse(gathered: Gathered) -> TrackedJump:
     """Jump of a run: on level bed, else on the longest stretch of bed with one slope."""
-    found, along = _analysed(gathered, gathered), gathered.along
-    if along is None or found.verdict in (*A_JUMP, AT_SILL) or not isinstance(along.flow, TurnedFlow):
-        return found
-    sloping, looked = _analysed(along, gathered), found.track is not None
-    return found if looked and sloping.verdict not in A_JUMP else in_place(sloping, along.flow.stretch)
+    jump, along = _analysed(gathered, gathered), gathered.along
+    if along is None or jump.verdict in (*A_JUMP, AT_SILL) or not isinstance(along.flow, TurnedFlow):
+        return jump
+    sloping, looked = _analysed(along, gathered), jump.track is not None
+    return jump if looked and sloping.verdict not in A_JUMP else in_place(sloping, along.flow.stretch)
 
 
 def _analysed(gathered: Gathered, whole: Gathered) -> TrackedJump:
@@ -136,17 +136,17 @@ def _analysed(gathered: Gathered, whole: Gathered) -> TrackedJump:
     measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
     if not _on_level_of_inlet(gathered.flow, measured):
         measured, delivered = replace(measured, flow=replace(gathered.flow, inflow_depth=None)), None
-    found = summarise_jump(measured, delivered)
+    jump = summarise_jump(measured, delivered)
     if not gathered.flow.timed:
-        return untimed(found)
-    found = worded(found)
+        return untimed(jump)
+    jump = worded(jump)
     fluxes = gathered.histories.get("jump")
-    budget = energy_budget(fluxes, found)
+    budget = energy_budget(fluxes, jump)
     if budget is None:
-        why = why_none(fluxes, found) if found.verdict in A_JUMP else ""
-        return replace(found, reason=f"{found.reason} {why}".strip())
+        why = why_none(fluxes, jump) if jump.verdict in A_JUMP else ""
+        return replace(jump, reason=f"{jump.reason} {why}".strip())
     lost = as_fields(head_lost=Mean(budget.lost, budget.inflow_error))
-    return replace(found, budget=budget, **lost)
+    return replace(jump, budget=budget, **lost)
 
 
 def _on_level_of_inlet(flow: Flow, measured: TrackedJump) -> bool:
@@ -160,9 +160,9 @@ def _on_level_of_inlet(flow: Flow, measured: TrackedJump) -> bool:
 
 def marks(jump: TrackedJump) -> Marks:
     """Depths of the inflow's theory, toe and end, and the track of the toe."""
-    lines, asked = {}, jump.inflow
-    if asked:
-        lines["inflow asked for"] = asked.depth
+    lines, inflow = {}, jump.inflow
+    if inflow:
+        lines["inflow asked for"] = inflow.depth
     if jump.of != BEFORE and isfinite(jump.belanger_y2):
         lines["Bélanger of the inflow"] = jump.belanger_y2
     places = {"toe": jump.toe, "end": jump.end} if isfinite(jump.toe) else {}
@@ -174,14 +174,14 @@ def marks(jump: TrackedJump) -> Marks:
 
 def tables(jump: TrackedJump) -> Tables:
     """The track, the mean profile in the moving frame, and the stream before the jump."""
-    found = {}
+    tables_of_jump = {}
     if jump.track is not None:
         columns = {name: values for name, values in _arrays(jump.track).items() if name != "reach_end"}
-        found["jump_track.csv"] = {**columns, "found": jump.track.found.astype(int)}
+        tables_of_jump["jump_track.csv"] = {**columns, "found": jump.track.found.astype(int)}
     if isinstance(jump, MeasuredJump):
         means = {name: jump.moving.mean(name) for name in jump.moving.fields}
-        found["jump_frame.csv"] = {"distance": jump.moving.xi, **means}
-    return found | ({"jump_stream.csv": _arrays(jump.stream)} if jump.stream else {})
+        tables_of_jump["jump_frame.csv"] = {"distance": jump.moving.xi, **means}
+    return tables_of_jump | ({"jump_stream.csv": _arrays(jump.stream)} if jump.stream else {})
 
 
 def _arrays(result: object) -> dict[str, np.ndarray]:
@@ -215,7 +215,7 @@ def section(jump: Jump) -> Section:
         "Hydraulic jump",
         [
             verdict,
-            Beside([one for one in tables if one.rows]),
+            SideBySide([one for one in tables if one.rows]),
             _sill(jump.inflow),
             Text(SHORT if steady else ""),
             _moved(local),
@@ -225,28 +225,28 @@ def section(jump: Jump) -> Section:
 
 def _streams(jump: Jump) -> Table:
     """Every state that is compared with theory: state, frame, Froude number, sequent depth by Bélanger."""
-    asked, local, rows = jump.inflow, jump.local, []
+    inflow, local, rows = jump.inflow, jump.local, []
     if known(jump.froude) and applies("froude", jump.verdict) and jump.of != BEFORE:
         rows.append((f"{jump.of}: the comparison at the top", "front", *_pair(jump)))
     if local and known(local.froude) and applies("local.froude", jump.verdict):
         above = ": the comparison at the top" if jump.of == BEFORE else ""
         rows.append((f"{BEFORE}{above}", "front", *_pair(local)))
         rows.append((BEFORE, "laboratory", cut(local, "froude_lab"), ABSENT))
-    if asked:
-        at = f"{ASKED}, {shown(asked.depth)} m at {shown(asked.velocity)} m/s, exact"
-        rows.append((at, "laboratory", f"{asked.froude:z.2f}", f"{asked.belanger_y2:z.2f}"))
+    if inflow:
+        at = f"{ASKED}, {shown(inflow.depth)} m at {shown(inflow.velocity)} m/s, exact"
+        rows.append((at, "laboratory", f"{inflow.froude:z.2f}", f"{inflow.belanger_y2:z.2f}"))
     return Table(rows, ("State", "frame", "Froude number", "sequent depth by Bélanger [m]"))
 
 
-def _sill(asked: Inflow | None) -> Text:
+def _sill(inflow: Inflow | None) -> Text:
     """The sill that energy asks for, without loss on a broad crest."""
-    if asked is None or not known(asked.sill) or not asked.sill:
+    if inflow is None or not known(inflow.sill) or not inflow.sill:
         return Text("")
-    return Text(f"By energy a sill of {shown(asked.sill)} m holds the jump of the inflow (E₂ − 1.5 y_c).")
+    return Text(f"By energy a sill of {shown(inflow.sill)} m holds the jump of the inflow (E₂ − 1.5 y_c).")
 
 
-def _pair(found: Jump | Local) -> tuple[str, str]:
-    return cut(found, "froude"), cut(found, "belanger_y2")
+def _pair(part: Jump | Local) -> tuple[str, str]:
+    return cut(part, "froude"), cut(part, "belanger_y2")
 
 
 def _states(local: Local) -> Table:
@@ -278,7 +278,7 @@ def _moved(local: Local) -> Text:
 
 
 def _momentum_table(local: Local) -> Table:
-    """The sequent ratio beside the jump against momentum: the measured thrust first, then what leaves parts out."""
+    """The sequent ratio next to the jump against momentum: measured thrust first, then what leaves parts out."""
     against = [
         ("momentum with measured thrust, β, bed, slope", "pressure_relation_ratio"),
         ("momentum with measured density, β, bed, slope", "full_relation_ratio"),
@@ -363,7 +363,7 @@ SHORT = (
     "viscous fluid, and contacts dissipate the motion within a few "
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
-"""Said beside the length."""
+"""Note on the length."""
 
 
 def _jump_is_shown(wanted: HeadlineNumber, summary: Mapping[str, Any]) -> bool:

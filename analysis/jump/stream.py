@@ -32,7 +32,7 @@ COMPRESSED = 0.04
 LEAST_COMPRESSED = 3.0
 """Least length of a compressed stretch at that level, in depths: shorter ones are chance contacts."""
 NEAR_INLET = 15.0
-"""A compression front this many depths behind the inlet has reached it: it stops there, as measured."""
+"""A compression front this many depths downstream of the inlet has reached it: it stops there, as measured."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Stream(AlongStream):
     momentum_flux, thrust, total, total_error : ndarray
         Momentum flux and contact force over the density, their sum and its standard error, m^3/s^2.
     froude, belanger_y2, deviation : ndarray
-        In the frame of the front: Froude number, sequent depth by Bélanger (m), and how far the depth behind the jump
+        In the frame of the front: Froude number, sequent depth by Bélanger (m), and how far the depth after the jump
         lies off it, a share.
     """
 
@@ -75,7 +75,7 @@ def compression_front(stream: xr.Dataset, track: JumpTrack, gravity: float) -> n
     """Begin of the compressed stretch before the toe in each frame, m; NaN where there is none; shape (frames,).
 
     It is the place from which the thrust up to the toe, less g s^2/2 and less `COMPRESSED` of the momentum flux, adds
-    up to most: where a cumulative sum turns. Gaps do not end the stretch. Before a jump is found it goes to the end of
+    up to most: where a cumulative sum turns. Gaps do not end the stretch. Before a jump is known it goes to the end of
     the reach.
     """
     x, depth, flux = (stream[name].values for name in ("x", "mass_depth", "momentum_flux"))
@@ -97,7 +97,7 @@ def compression_front(stream: xr.Dataset, track: JumpTrack, gravity: float) -> n
 def measure_stream(
     stream: xr.Dataset, track: JumpTrack, used: np.ndarray, speed: float, depth: float, gravity: float
 ) -> Stream | None:
-    """State of the stream by stretches, from a depth behind the inlet to the place the toe reaches in the window.
+    """State of the stream by stretches, from a depth after the inlet to the place the toe reaches in the window.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ LEAST_BINS = 3
 
 @dataclass(frozen=True)
 class Tail(Estimates):
-    """Tail water of a jump; NaN where the channel behind the jump is too short to tell.
+    """Tail water of a jump; NaN where the channel downstream of the jump is too short to tell.
 
     Its mass depth is `Jump.y2`, and the drift of that `Drift.y2`.
     """
@@ -203,7 +203,7 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float, stretch: f
         ``mass_depth`` and ``surface_depth`` (m) over (time, x), along the stream, up to a sill or fall.
     front : ndarray, shape (frames,), m
     depth : float
-        Depth behind the jump, m: sets the zone, `BEHIND_FRONT` behind the front to `SILL_REACH` before the end.
+        Depth after the jump, m: sets the zone, from `BEHIND_FRONT` after the front to `SILL_REACH` before the end.
     stretch : float
         Both distances are divided by it.
     """
@@ -238,12 +238,12 @@ def sequent(depth: float, velocity: float, front: float, gravity: float) -> floa
 
 
 def against(y2: Mean, stream: StreamMeans, length: Mean, gravity: float) -> dict[str, Mean]:
-    """The depth behind the jump and its length against theory for a stream, frame of the front; by the keys of `Jump`.
+    """The depth after the jump and its length against theory for a stream, frame of the front; by the keys of `Jump`.
 
     Parameters
     ----------
     y2 : Mean
-        Mass depth behind the jump, m.
+        Mass depth downstream of the jump, m.
     stream : (Mean, Mean, Mean)
     length : Mean
         Of the jump, m.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Numbers of a jump and its verdict, with what theory says beside them; docs/measuring.md explains them."""
+"""Numbers of a jump and its verdict, with what theory says of them; docs/measuring.md explains them."""
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .stream import Tail, against, froude
 DEVELOPED_SHARE = 0.7
 """A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""
 DELIVERED, ASKED, BEFORE = "delivered inflow", "inflow asked for", "stream before the toe"
-"""Streams that the depth behind a jump is held against."""
+"""Streams that the depth downstream of a jump is compared with."""
 FRICTION, SLOPE = "friction", "slope"
 """Forces that Bélanger's relation leaves out."""
 TAIL, BEHIND = "tail water", "depth behind the end"
@@ -47,25 +47,25 @@ def summarise_jump(jump: TrackedJump, delivered: tuple[Mean, Mean] | None = None
     jump : TrackedJump
         As measured.
     delivered : (Mean, Mean), optional
-        Depth (m) and mean velocity (m/s) behind the inlet, which the tail water is held against; by default those that
-        were asked for.
+        Depth (m) and mean velocity (m/s) after the inlet, to compare the tail water with; by default those that
+        were requested.
     """
     jump = replace(jump, inflow=inflow_theory(jump.flow))
     if jump.track is None:
         return jump
-    found, frames = int((jump.track.found & jump.in_window).sum()), int(jump.in_window.sum())
-    jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
+    seen, frames = int((jump.track.found & jump.in_window).sum()), int(jump.in_window.sum())
+    jump = replace(jump, frames_found=seen, frames_in_window=frames, share_found=seen / frames if frames else nan)
     if not isinstance(jump, MeasuredJump):
         return jump
     pieces = [_places(piece) for piece in jump.pieces]
-    beside = [_local(piece) for piece in jump.pieces]
+    local_states = [_local(piece) for piece in jump.pieces]
     local = Local(**_local(jump), **_moved(jump))
-    local = replace(local, **errors(local, beside))
+    local = replace(local, **errors(local, local_states))
     jump = replace(jump, local=local, **_places(jump))
     jump = replace(jump, **errors(jump, pieces))
     tail = jump.tail or Tail()
     jump = replace(jump, **_compared(jump, local, tail, delivered))
-    moved = drift([place | {"y2": depth["y2"]} for place, depth in zip(pieces, beside, strict=True)])
+    moved = drift([place | {"y2": depth["y2"]} for place, depth in zip(pieces, local_states, strict=True)])
     if jump.at == TAIL and pieces:
         moved = replace(moved, y2=tail.drift)
     jump = replace(jump, drift=moved, members=members(jump), filling=_filling(jump))
@@ -75,15 +75,15 @@ def summarise_jump(jump: TrackedJump, delivered: tuple[Mean, Mean] | None = None
 
 
 def _streams(jump: MeasuredJump, local: Local, delivered: tuple[Mean, Mean] | None) -> tuple[str, Mean, Mean]:
-    """Name, depth (m) and velocity along the stream (m/s) of what the depth behind the jump is held against."""
+    """Name, depth (m) and velocity along the stream (m/s) of what the depth after the jump is compared with."""
     if jump.inflow is None:
         return BEFORE, Mean.of(local, "y1"), Mean.of(local, "u1")
-    asked = Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0)
-    return (DELIVERED, *delivered) if delivered else (ASKED, *asked)
+    means = Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0)
+    return (DELIVERED, *delivered) if delivered else (ASKED, *means)
 
 
 def _compared(jump: MeasuredJump, local: Local, tail: Tail, delivered: tuple[Mean, Mean] | None) -> dict[str, Any]:
-    """The fields of the one comparison with theory: tail water, else the depth behind the end, against a stream."""
+    """The fields of the one comparison with theory: tail water, else the depth after the end, against a stream."""
     level = isfinite(tail.depth.value)
     y2 = tail.depth if level else Mean.of(local, "y2")
     if not jump.flow.timed:
@@ -92,10 +92,10 @@ def _compared(jump: MeasuredJump, local: Local, tail: Tail, delivered: tuple[Mea
     sign, gravity = jump.direction, jump.flow.gravity
     forward = abs(velocity.value) if jump.inflow else sign * velocity.value
     stream = depth, Mean(forward, velocity.error), Mean(sign * jump.speed, jump.speed_error)
-    found = against(y2, stream, Mean.of(jump, "length"), gravity)
+    means = against(y2, stream, Mean.of(jump, "length"), gravity)
     if of == BEFORE:  # the same numbers, whose errors the pieces of the window tell
-        found |= {name: Mean.of(local, name) for name in ("froude", "belanger_y2")}
-    kind = theory.jump_class(found["froude"].value)
+        means |= {name: Mean.of(local, name) for name in ("froude", "belanger_y2")}
+    kind = theory.jump_class(means["froude"].value)
     scene, there = jump.flow.scene, []
     if fall := _fall(jump):
         area = _area(jump)
@@ -103,8 +103,8 @@ def _compared(jump: MeasuredJump, local: Local, tail: Tail, delivered: tuple[Mea
         def sequent(y: float, u: float, c: float) -> float:
             return y * theory.sloping_ratio(froude(y, u, c, gravity), 2 * fall * area / y**2)
 
-        found["sloping_y2"] = propagated(sequent, *stream)
-        found["sloping_deviation"] = propagated(lambda s, *one: s / sequent(*one) - 1.0, y2, *stream)
+        means["sloping_y2"] = propagated(sequent, *stream)
+        means["sloping_deviation"] = propagated(lambda s, *one: s / sequent(*one) - 1.0, y2, *stream)
     there += [FRICTION] if scene.rubs else []
     there += [SLOPE] if scene.gravity[0] else []
     words = {
@@ -114,7 +114,7 @@ def _compared(jump: MeasuredJump, local: Local, tail: Tail, delivered: tuple[Mea
         "jump_class": kind,
         "bed_slope": fall or nan,
     }
-    return as_fields(**found) | words
+    return as_fields(**means) | words
 
 
 def _fall(result: MeasuredJump) -> float:
@@ -129,13 +129,13 @@ def _area(result: MeasuredJump) -> float:
 
 
 def _filling(jump: MeasuredJump) -> bool:
-    """Tells whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
+    """Tells whether the front runs upstream and has no level tail water after it yet: the channel still fills."""
     upstream = -jump.direction * jump.speed
     return jump.at == BEHIND and upstream > 2 * np.nan_to_num(jump.speed_error)
 
 
 def _undeveloped(jump: MeasuredJump) -> str:
-    """Why the depth behind the front is not that of a jump yet, as a sentence; empty where it is."""
+    """Why the depth downstream of the front is not that of a jump yet, as a sentence; empty where it is."""
     reached = jump.y2 / jump.belanger_y2
     if reached < DEVELOPED_SHARE:
         return f"The depth behind it is {100 * reached:z.0f} % of Bélanger's: the flow behind is still filling up."
@@ -160,8 +160,8 @@ def _moved(result: MeasuredJump) -> dict[str, Any]:
 
 def _local(result: MeasuredJump) -> dict[str, Any]:
     """Numbers of a `Local`, by their keys, of what was measured in a window or in a piece of it."""
-    found = _states(result)
-    return found | (_against_theory(result, found) if result.flow.timed else {})
+    states = _states(result)
+    return states | (_against_theory(result, states) if result.flow.timed else {})
 
 
 def _places(result: MeasuredJump) -> dict[str, Any]:
@@ -187,16 +187,16 @@ def _places(result: MeasuredJump) -> dict[str, Any]:
 def _states(result: MeasuredJump) -> dict[str, float]:
     """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
     one, two, density = result.upstream, result.downstream, result.flow.scene.density
-    found: dict[str, float] = {}
+    states: dict[str, float] = {}
     for k, state in ((1, one), (2, two)):
-        found |= {f"y{k}": state.mass_depth, f"h{k}": state.surface_depth}
-        found |= {f"u{k}": result.direction * state.velocity}
-        found |= {f"packing_{k}": state.packing, f"beta_{k}": state.beta}
-    return found | {
+        states |= {f"y{k}": state.mass_depth, f"h{k}": state.surface_depth}
+        states |= {f"u{k}": result.direction * state.velocity}
+        states |= {f"packing_{k}": state.packing, f"beta_{k}": state.beta}
+    return states | {
         "froude": one.froude_relative,
         "froude_lab": one.froude,
         "froude_downstream": two.froude_relative,
-        "sequent_ratio": found["y2"] / found["y1"],
+        "sequent_ratio": states["y2"] / states["y1"],
         "density_ratio": share(two.bulk_density, one.bulk_density),
         "head_upstream": one.head,
         "head_downstream": two.head,
@@ -207,16 +207,16 @@ def _states(result: MeasuredJump) -> dict[str, float]:
     }
 
 
-def _against_theory(result: MeasuredJump, found: Mapping[str, float]) -> dict[str, float]:
-    """Sequent ratio and loss beside theory, which takes in one measured ingredient after the other.
+def _against_theory(result: MeasuredJump, states: Mapping[str, float]) -> dict[str, float]:
+    """Sequent ratio and loss against theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
     and what the control volume stores.
     """
     one, two, terms = result.upstream, result.downstream, result.momentum_terms
-    fr1, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
-    betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(fr1)
+    fr1, s1, s2, ratio, density = (states[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
+    betas, belanger = (states["beta_1"], states["beta_2"]), theory.belanger(fr1)
     # forces over g s1^2/2, the unit of the relation with thrust
     unit = one.still(one.mass_depth) / terms.downstream
     push = (terms.bed + terms.slope) / unit
@@ -276,7 +276,7 @@ WITHOUT_TIMES = (
 BESIDE_WITHOUT_TIMES = (
     "y1", "y2", "h1", "h2", "u1", "u2", "packing_1", "packing_2", "sequent_ratio", "density_ratio",
 )  # fmt: skip
-"""The same of the states beside it; velocities where the file has them."""
+"""The same of the states next to it; velocities where the file has them."""
 
 
 def untimed(jump: TrackedJump) -> TrackedJump:
@@ -297,8 +297,8 @@ def untimed(jump: TrackedJump) -> TrackedJump:
     return TrackedJump(verdict, said, said, **known)
 
 
-def _kept(found: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
-    return {name: value for name, value in vars(found).items() if name.removesuffix("_error") in names}
+def _kept(part: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: value for name, value in vars(part).items() if name.removesuffix("_error") in names}
 
 
 def headline(jump: Jump) -> str:
@@ -312,7 +312,7 @@ def headline(jump: Jump) -> str:
 
 
 def compared(jump: Jump) -> str:
-    """The depth behind the jump against Bélanger's of a named state."""
+    """The depth downstream of the jump against Bélanger's of a named state."""
     off = percent_of(jump.belanger_deviation, *sure_of(jump, OFF))
     of = "sequent depth" if jump.at == TAIL else jump.at
     return (
@@ -339,8 +339,8 @@ def left_out(jump: Jump) -> str:
     return " ".join(said)
 
 
-def _number(found: Jump | Local, key: str, unit: str = "") -> str:
-    return with_error(found, key, unit=unit)
+def _number(part: Jump | Local, key: str, unit: str = "") -> str:
+    return with_error(part, key, unit=unit)
 
 
 def _how_sure(jump: Jump) -> str:
@@ -355,7 +355,7 @@ def _how_sure(jump: Jump) -> str:
 
 
 def belongs_to(jump: MeasuredJump) -> str:
-    """Sentence on where the numbers beside the jump were measured, and how far contacts changed the stream there."""
+    """Sentence on where the numbers near the jump were measured, and how far contacts changed the stream there."""
     near, far = -jump.upstream.zone[1], -jump.upstream.zone[0]
     text = f"The state before the toe is that of the stream {near:z.1f} to {far:z.1f} m before the front"
     stream = jump.stream

@@ -23,9 +23,9 @@ LEAST_RATIO = 1.5
 LEAST_SHARE = 0.6
 """The ramp must explain this share of the depth's variance along the reach."""
 CREST_SHARE = 0.8
-"""The reach ends where the depth behind its crest falls below this share of it: drawdown, or a heap's back."""
+"""The reach ends where the depth after its crest falls below this share of it: drawdown, or a heap's back."""
 TO_THE_END = "the rise goes on up to the end of the level bed"
-"""Reason of a frame with a supercritical stream that is held up, but has no level water behind it."""
+"""Reason of a frame with a supercritical stream that is held up, but has no level water downstream."""
 COARSE = 64
 """Most places tried for each end of the ramp in the first search; the second is eight times finer."""
 
@@ -163,7 +163,7 @@ class JumpTrack(AlongStream):
 
 
 def _crest_reach(depth: np.ndarray) -> int:
-    """Number of bins up to where the depth, smoothed over five bins, has fallen off behind its crest."""
+    """Number of bins up to where the depth, smoothed over five bins, has fallen off after its crest."""
     padded = np.pad(depth, 2, mode="edge")
     smooth = np.convolve(padded, np.full(5, 0.2), mode="valid")
     crest = int(np.argmax(smooth))
@@ -177,7 +177,7 @@ def track_jump(
     """Follow the jump through the frames.
 
     A frame has a jump where a ramp that rises at least `LEAST_RATIO`-fold explains `LEAST_SHARE` of the depth's
-    variance, the stream before it is deeper than half a disc and supercritical, and the one behind it subcritical.
+    variance, the stream before it is deeper than half a disc and supercritical, and the one after it subcritical.
 
     Parameters
     ----------
@@ -198,12 +198,12 @@ def track_jump(
     toe, end, depth_1, depth_2, velocity_1, velocity_2 = np.array(
         [(nan,) * 6 if isinstance(look, str) else look for look in looks]
     ).T
-    found = ~np.isnan(toe)
+    is_seen = ~np.isnan(toe)
     position = np.full(len(looks), nan)
-    chosen = found & in_window if (found & in_window).any() else found
+    chosen = is_seen & in_window if (is_seen & in_window).any() else is_seen
     if chosen.any():
         level_1, level_2 = (float(np.median(level[chosen])) for level in (depth_1, depth_2))
-        for k in np.flatnonzero(found):
+        for k in np.flatnonzero(is_seen):
             position[k] = equivalent_position(edges, depth[k], toe[k], end[k], level_1, level_2)
     return JumpTrack(stream.time.values, toe, end, position, depth_1, depth_2, velocity_1, velocity_2, edges[bins], why)
 
@@ -238,7 +238,7 @@ def _look(
 
 
 def _backed_up(edges: np.ndarray, depth: np.ndarray, discharge: np.ndarray, gravity: float, toe: float) -> bool:
-    """Tells whether the stream is supercritical before a toe and subcritical in the mean behind it."""
+    """Tells whether the stream is supercritical before a toe and subcritical in the mean after it."""
     before = edges[1:] <= toe
     parts = (before, edges[:-1] >= toe)
     if not all(part.any() and depth[part].mean() > 0 for part in parts):

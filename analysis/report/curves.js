@@ -24,7 +24,7 @@
     return found;
   }
 
-  // [lowest, highest] of finite numbers and of what is asked for, a little wider where nothing is.
+  // [lowest, highest] of finite numbers and of those requested, a little wider where nothing is.
   function range(values, asked, margin) {
     let low = Infinity, high = -Infinity;
     for (const value of values) if (value !== null) { low = Math.min(low, value); high = Math.max(high, value); }
@@ -125,7 +125,7 @@
     return Math.max(NARROWEST, 16 * lines + LETTER * long + 14);
   }
 
-  // where a panel stands in its figure: X and Y give the place of a value
+  // where a panel is in its figure: X and Y give the place of a value
   function scales(span, left, width, height) {
     const { x0, x1, y0, y1 } = span;
     const right = width - RIGHT, X = (x) => left + (x - x0) / (x1 - x0) * (right - left), Y = (y) => height - (y - y0) / (y1 - y0) * (height - TOP);

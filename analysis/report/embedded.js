@@ -1,5 +1,5 @@
 "use strict";
-// A page in the frame of a notebook: it tells what holds the frame its time and height, and goes to a time that is asked for.
+// A page in the frame of a notebook: it sends what holds the frame its time and height, and goes to a requested time.
 
 document.addEventListener("time", ({ detail }) => parent.postMessage({ time: detail }, "*"));
 addEventListener("message", ({ source, data }) => {

@@ -10,7 +10,7 @@ const SLOTS = 32, OF_A_KIND = 32, COLUMNS = 8;
 const UNREST = 8;
 const UNKNOWN = -(2 ** 30);
 
-// Players and curves of the page. Long lists of numbers stand apart, in the order of the data: see page.py.
+// Players and curves of the page. Long lists of numbers are separate, in the order of the data: see page.py.
 function readData() {
   const next = numbers(document.getElementById("numbers").textContent, 1);
   let whole = 0, step = 0;

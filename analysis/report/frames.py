@@ -138,13 +138,13 @@ FARTHEST = (1 << 30) - 1
 LARGEST_RESIDUAL = 1 << 15
 """A disc that is further from its prediction, in quanta, counts as another disc."""
 MANY = 200_000
-"""Discs of a frame from which on the page shows the packing: a disc of those that it holds would stand for eight."""
+"""Discs of a frame from which on the page shows the packing: a disc of those that it holds would represent eight."""
 SHADES = 256
-"""Radii that are told apart."""
+"""Radii that are distinguished."""
 
 
 @dataclass(frozen=True)
-class Packed:
+class PackedFrames:
     """Frames for the player.
 
     Attributes
@@ -179,7 +179,7 @@ class FramePacker:
     ----------
     flow : Flow
     every : int
-        Of the frames that are taken in, the first and every n-th behind it are kept.
+        Of the frames that are taken in, the first and every n-th after it are kept.
     maps : bool
         Also make the map of each frame.
 
@@ -249,13 +249,13 @@ class FramePacker:
 
     def sample(self) -> list[Frame]:
         """Ten frames at equal times, of what is kept of them."""
-        found = []
+        frames = []
         for time, rows in (self._kept[index] for index in ten_indices(len(self._kept))):
             columns = {"x": rows["x"] * self.q, "y": rows["y"] * self.q, "vx": rows["u"], "vy": rows["v"]}
-            found.append(make_frame(0, time, self.flow.scene.domain, columns))
-        return found
+            frames.append(make_frame(0, time, self.flow.scene.domain, columns))
+        return frames
 
-    def result(self) -> Packed | None:
+    def result(self) -> PackedFrames | None:
         """The packed frames; None where no frame holds a disc."""
         total = sum(len(rows) for _, rows in self._kept)
         if not total:
@@ -281,7 +281,7 @@ class FramePacker:
         )
         header = {"times": times, "q": self.q, "qv": qv, "discs": len(table), "rows": total, "radii": radii}
         about = about_map(self.flow, many) if levels.size else None
-        return Packed({**header, "share": self._share, "map": about}, text)
+        return PackedFrames({**header, "share": self._share, "map": about}, text)
 
 
 class _Instant(NamedTuple):
@@ -294,7 +294,7 @@ class _Instant(NamedTuple):
     entry : ndarray of bool
         The disc was not in the frame before.
     at : ndarray
-        Where the disc stands in the frame before.
+        Where the disc is in the frame before.
     told : (ndarray, ndarray)
         Numbers of the rows that are no entries, and their contexts.
     """
@@ -332,8 +332,8 @@ def _step(rows: np.ndarray, qv: float, share: float, before: _Instant) -> _Insta
     felt = np.cumsum([unrest, *sizes[:3]], axis=0)
     contexts = np.frexp(felt)[1] + OF_A_KIND * np.arange(4)[:, None]
     left = np.where(entry, UNREST, sizes.sum(axis=0) // 2)
-    told = changes.T[~entry].astype(np.int32), contexts.T[~entry].astype(np.int16)
-    return _Instant(rows["id"], places, speeds, left, entry, at, told)
+    entry_changes = changes.T[~entry].astype(np.int32), contexts.T[~entry].astype(np.int16)
+    return _Instant(rows["id"], places, speeds, left, entry, at, entry_changes)
 
 
 class _Entries:
@@ -366,15 +366,15 @@ class _Entries:
 
 def _shades(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At most `SHADES` radii, m, and the index among them of each disc."""
-    found, index = np.unique(radii.astype(float), return_inverse=True)
-    if len(found) > SHADES:
-        found = np.linspace(found[0], found[-1], SHADES)
-        index = np.rint((radii - found[0]) / (found[1] - found[0])).astype(int)
-    return found, index
+    shades, index = np.unique(radii.astype(float), return_inverse=True)
+    if len(shades) > SHADES:
+        shades = np.linspace(shades[0], shades[-1], SHADES)
+        index = np.rint((radii - shades[0]) / (shades[1] - shades[0])).astype(int)
+    return shades, index
 
 
 CELL = 4
-"""Diameters of a cell: a mean over some 14 discs, in which a single collision does not stand out."""
+"""Diameters of a cell: a mean over some 14 discs, in which a single collision has little effect."""
 FINEST = 200
 """Cells along a side at most: five pixels of a page each."""
 PACKING_STEP = 1 / 32
@@ -389,14 +389,14 @@ def packing(frame: Frame, flow: Flow) -> np.ndarray:
 
 
 def pressure(frame: Frame, flow: Flow) -> np.ndarray:
-    """Root of the contact pressure over its unit, shape (cells,): low pressures are told apart.
+    """Root of the contact pressure over its unit, shape (cells,): low pressures are distinguished.
 
     The pressure is the mean of both normal stresses: over the contacts of a cell the sum of force times length between
     the centres, or from centre to wall, over twice the area (Love, 1927; Weber, 1966).
     """
-    found = find_contacts(frame, flow)
-    moment = found.force * np.hypot(*(found.end - found.start).T) / 2
-    x, y = (found.start + found.end).T / 2
+    contacts = find_contacts(frame, flow)
+    moment = contacts.force * np.hypot(*(contacts.end - contacts.start).T) / 2
+    x, y = (contacts.start + contacts.end).T / 2
     return _numbers(flow, x, y, moment / pressure_unit(flow), 0.5)
 
 

@@ -192,7 +192,7 @@ class _Shape(_Part):
     force: _Force | None = None
 
     def ways_fit(self, frames: int) -> bool:
-        """Tells whether it stands, or has a pose for each frame, which a body always has; and its forces fit."""
+        """Tells whether it is at rest, or has a pose for each frame, as a body always has; and its forces fit."""
         ways = [self.x, self.y, self.angle]
         if self.force is not None and not self.force.fits():
             return False
@@ -247,7 +247,7 @@ class _Stored(_Part):
 
 
 def read_player(path: Path) -> Player:
-    """The player in a file that was handed on; the picture beside it, which only the browser would check, is left out.
+    """The player in a file that was handed on; the picture next to it, which only the browser would check, is left out.
 
     Raises
     ------
@@ -295,7 +295,7 @@ def holds_frames(text: str, discs: int, rows: int, frames: int, shades: int, cel
     return bool(_holds_frames(digits.astype(np.uint8), len(digits), *counts))
 
 
-class _Broken(Exception):
+class _MissingDigits(Exception):
     """Digits that the coder has not written."""
 
 
@@ -313,7 +313,7 @@ class _Reader:
         self.place -= start * step
         self.span = size * step
         if not 0 <= self.place < self.span:
-            raise _Broken
+            raise _MissingDigits
         while self.span < LEAST:
             digit = self.digits[self.read] if self.read < len(self.digits) else 0
             self.read, self.place, self.span = self.read + 1, self.place * BASE + digit, self.span * BASE
@@ -331,7 +331,7 @@ class _Reader:
             self.shrink(0, ones, step)
             left, slot = left + 1, slot + 1
             if left > MOST_BITS:
-                raise _Broken
+                raise _MissingDigits
         while left:
             bits = min(left, 8)
             step = self.span >> bits
@@ -339,7 +339,7 @@ class _Reader:
             self.shrink(part, 1, step)
             value, left = (value << bits) + part, left - bits
         if self.read > len(self.digits):
-            raise _Broken
+            raise _MissingDigits
         return -(value >> 1) if value % 2 else value >> 1
 
 
@@ -365,7 +365,7 @@ def _holds_each(digits: list[int], discs: int, rows: int, frames: int, shades: i
             levels = [level + reader.take(OF_A_KIND * (4 + COLUMNS) + level.bit_length()) for level in levels]
             if not all(0 <= level < 256 for level in levels):
                 return False
-    except _Broken:
+    except _MissingDigits:
         return False
     return reader.read == len(digits)
 
@@ -375,7 +375,7 @@ def _unrest_after(reader: _Reader, unrest: int) -> int:
     felt = unrest
     for part in range(4):
         if felt.bit_length() > MOST_BITS:
-            raise _Broken
+            raise _MissingDigits
         size = abs(reader.take(OF_A_KIND * part + felt.bit_length()))
         felt += 2 * size if part < 2 else size >> 1
     return (felt - unrest) >> 1

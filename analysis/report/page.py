@@ -36,7 +36,7 @@ PNG = "image/png"
 MOST_PICTURE = 1_000_000_000
 """Bytes of a picture or film that is looked at."""
 LONG = 20
-"""Numbers of a list that are packed; fewer stand in the data."""
+"""Numbers of a list that are packed; fewer are in the data."""
 UNKNOWN = -(1 << 30)
 SCRIPTS = ("frames.js", "discs.js", "view.js", "pointer.js", "player.js", "sliders.js", "curves.js")
 Value = float | int | str | None
@@ -92,7 +92,7 @@ class Boxes(NamedTuple):
 
 
 class Items(NamedTuple):
-    """A list of sentences; with a title they stand in a box."""
+    """A list of sentences; with a title they are in a box."""
 
     texts: Sequence[str]
     title: str = ""
@@ -170,26 +170,26 @@ class PlayerChoice(NamedTuple):
 
     @property
     def parts(self) -> list[Player | Boxes | Curve]:
-        """All players, then what stands beside them."""
+        """All players, then what is next to them."""
         return [*self.blocks, *(block for side in self.sides for block in side)]
 
 
-class Beside(NamedTuple):
+class SideBySide(NamedTuple):
     """Blocks side by side, below each other on a narrow screen."""
 
     blocks: Sequence[Text | Table | Curve | Player]
 
     @property
     def parts(self) -> Sequence[Text | Table | Curve | Player]:
-        """Parts that stand side by side."""
+        """Parts that are side by side."""
         return self.blocks
 
 
-Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | PlayerChoice | Beside | LivePage
+Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | PlayerChoice | SideBySide | LivePage
 
 
 class Section(NamedTuple):
-    """Part of a page under a heading, in the list of contents; those without a title stand above that list."""
+    """Part of a page under a heading, in the list of contents; those without a title are above that list."""
 
     title: str
     blocks: Sequence[Block]
@@ -198,9 +198,9 @@ class Section(NamedTuple):
 def render(
     title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "", embedded: bool = False
 ) -> str:
-    """One self-contained HTML page; `tab` is the browser's title, `name` stands above the title.
+    """One self-contained HTML page; `tab` is the browser's title, `name` is above the title.
 
-    An embedded one stands in a frame of a notebook, which it tells its time.
+    An embedded one is in a frame of a notebook, to which it sends its time.
 
     None among the sections, blocks that hold nothing, and sections of such blocks only are left out.
     """
@@ -209,7 +209,9 @@ def render(
         for heading, blocks in filter(None, sections)
     ]
     given = [block for section in full for block in section.blocks]
-    blocks = [one for block in given for one in (block.parts if isinstance(block, Beside | PlayerChoice) else [block])]
+    blocks = [
+        one for block in given for one in (block.parts if isinstance(block, SideBySide | PlayerChoice) else [block])
+    ]
     players = [block._replace(frames=packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]
@@ -239,7 +241,7 @@ def render(
 
 
 def packed(text: str) -> Markup:
-    """Packed frames as they stand in a page; ValueError for another text, which could be markup."""
+    """Packed frames as they are in a page; ValueError for another text, which could be markup."""
     digits_of(text)
     return Markup(text)
 
@@ -330,10 +332,10 @@ def described(result: object, *keys: str) -> list[tuple[str, Value]]:
     numbers, values = numbers_of(result), cells(result, *keys)
     scaled = [in_kilo(numbers[key].unit) for key in keys]
     heads = (heading(numbers[key].meaning, unit) for key, (_, unit) in zip(keys, scaled, strict=True))
-    told = (
+    row_cells = (
         value / scale if isinstance(value, float) else value for value, (scale, _) in zip(values, scaled, strict=True)
     )
-    return list(zip(heads, told, strict=True))
+    return list(zip(heads, row_cells, strict=True))
 
 
 def cells(result: object, *keys: str) -> tuple[Value, ...]:

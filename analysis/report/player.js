@@ -1,7 +1,7 @@
 "use strict";
 // The player: time, buttons and keys of the canvas that view.js draws; pointer.js has its pointer.
 // All players and curves of a page share one time through events on the document: "seek" (s) and "play" (on, rate) are
-// asked of the players, "time" (s) is told by the first one.
+// sent to the players, "time" (s) is sent by the first one.
 
 const LONGEST = 1000;
 const FRAMES_A_SECOND = 10;
@@ -40,7 +40,7 @@ function takeRun(p, number) {
     run, picked: null, pinned: false, end: times[times.length - 1], digits: timed ? 2 : 0,
     deep: run.gravity.some((part) => part !== 0), // without gravity there is no depth
     pace: timed ? 1 : FRAMES_A_SECOND * (times[1] - times[0] || 1), // steps have no duration
-    grown: share < HALF ? 1 / Math.sqrt(share) : 1, // few discs stand for the area of all
+    grown: share < HALF ? 1 / Math.sqrt(share) : 1, // few discs represent the area of all
     oldest: oldest(run), found: roomFor(run), depth: new Float64Array(run.bins.count),
   });
   p.time = Math.min(p.time, p.end);

@@ -80,7 +80,7 @@ def _with_forces(
 ) -> dict[str, list[dict[str, Any]]]:
     """Walls and gates of a header with the force of the discs on those of which there is a record, N/m against s.
 
-    The record of a body is the one that all bodies have, where its forces are not asked for.
+    The record of a body is the one that all bodies have, where its forces are not requested.
     """
     known: dict[str, ForceHistory | BodyHistory] = {**_histories(flow), **forces}
     names = [shape["name"] for key in ("walls", "gates") for shape in header[key]]
@@ -166,12 +166,12 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
 def _bodies(packer: FramePacker) -> dict[str, dict[str, Any]]:
     """Of each body the mass, kg/m, and centre where the case has it, m; velocity and force, where they are known."""
     histories = _histories(packer.flow)
-    found = {}
+    bodies_of_page = {}
     for wall, motion in packer.flow.scene.bodies:
         if motion.free:
             known = _ways_of(histories[wall.name], packer.times) if wall.name in histories else {}
-            found[wall.name] = {"body": {"mass": motion.free.mass, "centre": motion.free.centre, **known}}
-    return found
+            bodies_of_page[wall.name] = {"body": {"mass": motion.free.mass, "centre": motion.free.centre, **known}}
+    return bodies_of_page
 
 
 def _histories(flow: Flow) -> dict[str, BodyHistory]:
@@ -215,13 +215,13 @@ def _sequent(flow: Flow, folder: Path, times: Sequence[float]) -> list[list[floa
     """
     try:
         track = read_table(folder / TRACK)
-        when, places, found, depths, speeds = (track.numbers(name) for name in COLUMNS)
+        when, places, is_measured, depths, speeds = (track.numbers(name) for name in COLUMNS)
     except DumpError:  # no jump was looked for; or damaged: the page is whole without
         return [None] * len(times)
     found_at: list[tuple[int, float, float, float]] = []  # place among the times; of the front, its speed, depth
     for number, k in enumerate(int(np.argmin(np.abs(when - time))) for time in times):
         near = (np.abs(when - when[k]) <= AROUND) & np.isfinite(places)
-        if flow.timed and found[k] and near.sum() > 1 and depths[k] > 0:
+        if flow.timed and is_measured[k] and near.sum() > 1 and depths[k] > 0:
             seen_from = speeds[k] - np.polyfit(when[near], places[near], 1)[0]
             found_at.append((number, places[k], seen_from, sequent_depth(abs(seen_from), depths[k], flow.g)))
     lines: list[list[float] | None] = [None] * len(times)

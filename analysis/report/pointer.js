@@ -83,7 +83,7 @@ function wallsNow(p) {
   return [...p.run.walls, ...p.run.gates.filter((gate) => p.time < gate.until)].filter(({ name }) => name);
 }
 
-// The wall under a point, a body or one that moves before one that stands; null where there is none.
+// The wall under a point, a body or one that moves before one at rest; null where there is none.
 function wallUnder(p, point, some) {
   if (point[1] > MARGIN.legend + p.high) return null;
   const [x, y] = placeOf(p, point), reach = BESIDE_WALL / p.view.scale;
@@ -106,7 +106,7 @@ function wallUnder(p, point, some) {
   return there.find((wall) => wall.body) || there.find((wall) => wall.about) || there.find((wall) => wall.force) || there[0] || null;
 }
 
-// Number of the disc under a point, or so many pixels beside it; null where there is none.
+// Number of the disc under a point, or so many pixels from it; null where there is none.
 function discUnder(p, point, within = PICKED_WITHIN) {
   if (point[1] > MARGIN.legend + p.high || p.colour === "packing") return null;
   const [x, y] = placeOf(p, point), { found } = p;
@@ -143,7 +143,7 @@ function place(value) {
   return (Number(value.toFixed(2)) || 0).toFixed(2).replace("-", "\u2212");
 }
 
-// Name, mass, speed and force of the discs of a body, what is known of them, beside its centre or the edge of the view.
+// Name, mass, speed and force of the discs of a body, what is known of them, near its centre or the edge of the view.
 function showBody(p, tip, wall) {
   const { mass, centre, vx, vy, fx, fy } = wall.body, [[x, y]] = placed(p, wall, [centre]);
   const within = (value, low, size) => Math.min(Math.max(value, low), low + size);
@@ -157,7 +157,7 @@ function showBody(p, tip, wall) {
   placeTip(p, tip, within(MARGIN.left + column(p, x), MARGIN.left, p.wide), within(MARGIN.legend + row(p, y), MARGIN.legend, p.high), halfWide(p, wall));
 }
 
-// Name of a wall and the force of the discs on it now, beside the middle of what is seen of it.
+// Name of a wall and the force of the discs on it now, next to the middle of what is seen of it.
 function showWall(p, tip, wall) {
   const force = forceNow(p, wall), [x, y] = middleOf(p, wall);
   tip.hidden = false;
@@ -165,7 +165,7 @@ function showWall(p, tip, wall) {
   placeTip(p, tip, MARGIN.left + column(p, x), MARGIN.legend + row(p, y), halfWide(p, wall));
 }
 
-// Half of the width of what is pinned, in pixels, where that leaves room beside it: its arrow stays in sight.
+// Half of the width of what is pinned, in pixels, where that leaves room next to it: its arrow stays in sight.
 function halfWide(p, wall) {
   if (!p.pinned) return 0;
   const places = [...wall.outlines, ...wall.lines].flatMap((part) => placed(p, wall, part)).map(([x]) => x);

@@ -24,7 +24,6 @@ from lammps_jump.units import ABSENT, Number, in_kilo, known, numbers_of, shown,
 
 from .handed_on import read_curves
 from .page import (
-    Beside,
     Block,
     Boxes,
     Code,
@@ -34,6 +33,7 @@ from .page import (
     Picture,
     Player,
     Section,
+    SideBySide,
     Table,
     Text,
     cut,
@@ -64,7 +64,7 @@ def write_report(
     *,
     name: str = "report.html",
     player: Player | None = None,
-    beside: Path | None = None,
+    run_folder: Path | None = None,
     live: LivePage | None = None,
 ) -> Path:
     """Write the report of a run folder from its summary, its figures and its film.
@@ -72,7 +72,7 @@ def write_report(
     Parameters
     ----------
     folder : Path
-        Holds ``figures/*.png`` and, if asked for, ``animation.mp4`` or ``animation.gif``.
+        Holds ``figures/*.png`` and, if requested, ``animation.mp4`` or ``animation.gif``.
     summary : mapping
         As in ``summary.json``; what it lacks is left out.
     case_yaml : str
@@ -81,7 +81,7 @@ def write_report(
         File name.
     player : Player, optional
         Of `player.make_player`.
-    beside : Path, optional
+    run_folder : Path, optional
         Another folder, whose film and pictures that no analysis makes are shown too.
     live : LivePage, optional
         The run from some moments on, in which a reader changes what comes.
@@ -121,12 +121,12 @@ def write_report(
     ]
     last = [_errors(summary), Section("The case", case), _how(summary)]
     room = LARGEST - len(rendered([*before, *after, *last]).encode(errors="replace"))
-    path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
+    path, drawn, paths = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), run_folder)
     if player:
         linked = [drawn.pop(name) for name in _linked() if name in drawn]
         differently = [live] if live else []
-        before.insert(2, Section("", [player, *differently, *([Beside(linked)] if linked else [])]))
-    page = rendered([*before, *after, _figures(found, room, player, drawn), *last])
+        before.insert(2, Section("", [player, *differently, *([SideBySide(linked)] if linked else [])]))
+    page = rendered([*before, *after, _figures(paths, room, player, drawn), *last])
     try:
         write_text(path, page)
     except OSError as error:
@@ -156,18 +156,18 @@ def _errors(summary: Mapping[str, Any]) -> Section:
     known = [(one, one.read(summary[name])) for name, one in QUANTITIES.items() if summary.get(name)]
     rows = [
         (f"{name}: {label}" if name else label, error)
-        for quantity, found in known
-        for name, result in quantity.errors(found)
+        for quantity, part in known
+        for name, result in quantity.errors(part)
         if result is not None
         for label, error in errors_of(result)
     ]
-    said = [text for quantity, found in known for text in quantity.certainty(found)] if rows else []
+    said = [text for quantity, part in known for text in quantity.certainty(part)] if rows else []
     table = Table(rows, ("Number", "standard error"), f"Standard errors of {len(rows)} numbers")
     return Section("Errors within this run", [table, *map(Text, said)])
 
 
 def _linked() -> list[str]:
-    """Curves over time that stand below the player and show its time."""
+    """Curves over time that are below the player and show its time."""
     return [f"{quantity.linked}.png" for quantity in QUANTITIES.values() if quantity.linked]
 
 
@@ -179,29 +179,29 @@ def curves(folder: Path) -> dict[str, Curve]:
     DumpError
         As of `read_curves`.
     """
-    found = read_curves(folder)
-    return {f"{name}.png": Curve(text, found[name]) for name, text in captions().items() if name in found}
+    curves_read = read_curves(folder)
+    return {f"{name}.png": Curve(text, curves_read[name]) for name, text in captions().items() if name in curves_read}
 
 
-def _pictures(folder: Path, beside: Path | None) -> dict[str, Path]:
-    """Films and pictures of a folder, by name, and those of the one beside it; links and other files are left out."""
-    found, known = {}, captions()
-    for place in filter(None, (beside, folder)):
+def _pictures(folder: Path, run_folder: Path | None) -> dict[str, Path]:
+    """Films and pictures of a folder, by name, and those of the other one; links and other files are left out."""
+    paths, known = {}, captions()
+    for place in filter(None, (run_folder, folder)):
         figures = () if (place / "figures").is_symlink() else (place / "figures").glob("*.png")
         for path in (*sorted(figures), *(place / film for film in FILMS)):
             if picture_kind(path) and (place == folder or path.stem not in known):
-                found[path.name] = path
-    return found
+                paths[path.name] = path
+    return paths
 
 
 def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn: Mapping[str, Curve]) -> Section:
     """The film, curves and pictures in a fixed order, as long as there is room; the film gives way to the pictures."""
     left = {*drawn, *(_linked() if player else ()), *([STILL] if player and player.still else ())}
     films = [given[name] for name in FILMS if name in given]
-    found = {name: given[name] for name in sorted(given) if name not in (*FILMS, *left)}
+    paths = {name: given[name] for name in sorted(given) if name not in (*FILMS, *left)}
     known = {f"{name}.png": text for name, text in captions().items()}
-    order = [name for name in known if name in found] + [name for name in found if name not in known]
-    files = [(found[name], known.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
+    order = [name for name in known if name in paths] + [name for name in paths if name not in known]
+    files = [(paths[name], known.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
     shown: list[Picture] = []
     left_out = []
     for path, caption in [*files, *((film, "The flow") for film in films)]:
@@ -212,7 +212,7 @@ def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn:
         room -= len(block.source) + 200
         shown.insert(0 if path in films else len(shown), block)
     tail = f"Too large for this page, beside it in the run folder: {', '.join(left_out)}." if left_out else ""
-    return Section("Figures", [Beside(list(drawn.values())), *shown, Text(tail)])
+    return Section("Figures", [SideBySide(list(drawn.values())), *shown, Text(tail)])
 
 
 def _command(summary: Mapping[str, Any]) -> list[Text | Code]:
@@ -283,11 +283,11 @@ class Side:
 def comparison(left: Side, right: Side) -> str:
     """The page of two runs."""
     names = left.name, right.name
-    heads = Beside([Text(name, "sure") for name in names])
+    heads = SideBySide([Text(name, "sure") for name in names])
     players = [side.player for side in (left, right) if side.player is not None]
-    discs = [heads, Beside(players)] if len(players) == 2 else []
+    discs = [heads, SideBySide(players)] if len(players) == 2 else []
     both = [name for name in left.curves if name in right.curves]
-    pairs = [Beside(_on_one_scale(left.curves[name], right.curves[name])) for name in both]
+    pairs = [SideBySide(_on_one_scale(left.curves[name], right.curves[name])) for name in both]
     alone = [f"{name}: {curve.caption}" for name, side, other in ((names[0], left, right), (names[1], right, left))
              for key, curve in side.curves.items() if key not in other.curves]  # fmt: skip
     table = Table(list(_rows(left.summary, right.summary)), ("", *names, "difference"))
@@ -306,10 +306,10 @@ def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[s
         for part in dict.fromkeys([*first, *second]):
             sides = first.get(part), second.get(part)
             for number in numbers_of(quantity.result).values():
-                told = any(
+                has_labels = any(
                     known(getattr(side, number.key, None)) and quantity.applies(number.key, side) for side in sides
                 )
-                if number.label != number.meaning and told:
+                if number.label != number.meaning and has_labels:
                     yield _row(part, number, *sides)
 
 

@@ -1,6 +1,6 @@
 // The player in a cell of a notebook: its page in a frame without rights of the notebook. The page tells its time and its height.
 
-const EVERY = 100; // milliseconds between two times that Python is told
+const EVERY = 100; // milliseconds between two times sent to Python
 
 function render({ model, el }) {
   const frame = document.createElement("iframe");

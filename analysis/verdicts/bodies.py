@@ -14,15 +14,15 @@ from .kinds import Doubt, Said, Verdict, part, place, shown
 MOST = 2
 """Bodies of which the title tells."""
 STOOD, LEVEL = 0.01, 0.1
-"""Radii of gyration and degrees below which a body has stood: it sinks so far into what carries it."""
+"""Radii of gyration and degrees below which a body has not moved: it sinks so far into what carries it."""
 OFF = 0.1
 """Share by which a draught may lie off that by weight."""
 
 
 def farthest_first(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Bodies of which something is known, by name; those that came farthest first."""
-    found = [(name, body) for name, body in part(summary, "bodies").items() if isinstance(body, Mapping)]
-    known = [(name, body) for name, body in found if body.get("largest_displacement") is not None]
+    bodies_named = [(name, body) for name, body in part(summary, "bodies").items() if isinstance(body, Mapping)]
+    known = [(name, body) for name, body in bodies_named if body.get("largest_displacement") is not None]
     yield from sorted(known, key=lambda item: -item[1]["largest_displacement"])
 
 
@@ -33,10 +33,10 @@ def _one(name: str, body: Mapping[str, Any]) -> str:
     since = f"rests from {body['rest_since']:z.1f} s on" if body.get("rest") else ""
     if body.get("state") in SAID:
         said = SAID[body["state"]](body)
-        told = _events(body)
-        told += [since] * bool(since and told)  # what has only stood or floats has rested all the time
+        sentences = _events(body)
+        sentences += [since] * bool(since and sentences)  # what has only stood or floats has rested all the time
         ways = _ways(body) if body["state"] in ("lies", "leans") else ""
-        return f"The body {name} {said}{often}" + (f": it {_listed(told)}" if told else "") + ways
+        return f"The body {name} {said}{often}" + (f": it {_listed(sentences)}" if sentences else "") + ways
     turned = f" and turns by up to {body['largest_turn']:z.0f} degrees" if body["largest_turn"] >= 1 else ""
     if body["largest_displacement"] < STOOD * sqrt(body["inertia"] / body["mass"]) and body["largest_turn"] < LEVEL:
         return f"The body {name} stands"
@@ -76,10 +76,10 @@ def _events(body: Mapping[str, Any]) -> list[str]:
     """Events of a body, in their order."""
     if body.get("state") == "afloat":
         return []
-    found = [(body[key], words) for key, words in EVENTS.items() if body.get(key) is not None]
+    times_of_events = [(body[key], words) for key, words in EVENTS.items() if body.get(key) is not None]
     if body.get("state_since") is not None and body["state"] in STATES:
-        found.append((body["state_since"], STATES[body["state"]]))
-    return [words.format(time) for time, words in sorted(found, key=lambda one: one[0])]
+        times_of_events.append((body["state_since"], STATES[body["state"]]))
+    return [words.format(time) for time, words in sorted(times_of_events, key=lambda one: one[0])]
 
 
 def _listed(parts: list[str]) -> str:
@@ -87,9 +87,9 @@ def _listed(parts: list[str]) -> str:
 
 
 def _title(summary: Mapping[str, Any]) -> str:
-    told = list(farthest_first(summary))
-    said = [_one(name, body) for name, body in told[:MOST]]
-    more = f" The report tells of {len(told)} bodies." if len(told) > MOST else ""
+    bodies_named = list(farthest_first(summary))
+    said = [_one(name, body) for name, body in bodies_named[:MOST]]
+    more = f" The report tells of {len(bodies_named)} bodies." if len(bodies_named) > MOST else ""
     return ". ".join(said) + "." + more if said else ""
 
 
@@ -163,8 +163,8 @@ def _answer(name: str, gate: Mapping[str, Any]) -> str:
         return f"The gate {name} has found no height{_often(gate)}"
     crest = f"y = {_number(gate, 'height')}"
     if gate.get("settled_at") is None:
-        asked = f"{gate['target']:zg} m is asked for"
-        return f"The gate {name} stands with its crest at {crest} and {_held(gate)}{_often(gate)}, where {asked}"
+        request = f"{gate['target']:zg} m is asked for"
+        return f"The gate {name} stands with its crest at {crest} and {_held(gate)}{_often(gate)}, where {request}"
     return f"The gate {name} holds {_held(gate)} with its crest at {crest}{_often(gate)}"
 
 
@@ -194,15 +194,15 @@ def _rough(summary: Mapping[str, Any]) -> str:
 
 
 def _unsettled(summary: Mapping[str, Any]) -> str:
-    found = []
+    reasons = []
     for name, gate in _gates(summary):
         same, starts = gate.get("alike") or (1, 1)
         if gate.get("settled_at") is None and gate.get("reason"):
-            found.append(f"the gate {name} has not settled{_often(gate)}: {gate['reason']}")
+            reasons.append(f"the gate {name} has not settled{_often(gate)}: {gate['reason']}")
         elif same < starts:
             other = "not settled" if gate.get("settled_at") is not None else "settled"
-            found.append(f"the gate {name} has {other} in {starts - same} of {starts} starts")
-    return "; ".join(found)
+            reasons.append(f"the gate {name} has {other} in {starts - same} of {starts} starts")
+    return "; ".join(reasons)
 
 
 TAILGATE = Verdict(

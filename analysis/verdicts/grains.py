@@ -30,7 +30,7 @@ def _outlet(summary: Mapping[str, Any]) -> str:
 
 def _law(summary: Mapping[str, Any]) -> str:
     number, width = at(summary, "hopper.beverloo"), at(summary, "hopper.slot_in_diameters")
-    if number is None:  # why there is none stands among the doubts
+    if number is None:  # why there is none is among the doubts
         return ""
     at_width = f" The gap is {shown(width)} d wide; the law holds from 6 d on." if width else ""
     return f" Over ρ √g (D − 1.4 d)^1.5, after Beverloo, that is {shown(number)}.{at_width}"

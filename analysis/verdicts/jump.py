@@ -18,14 +18,14 @@ SWALLOWED = "no jump found"
 
 
 def is_asked(summary: Mapping[str, Any]) -> bool:
-    """Tells whether page and screen show what was looked for: a case asked for a jump, or one was found in a dump."""
+    """Tells whether page and screen show what was looked for: a case requested a jump, or a dump has one."""
     jump = part(summary, "jump")
-    found = jump.get("verdict") in (*A_JUMP, AT_SILL)
-    return bool(jump.get("verdict")) and (found or asked_of_a_dump("jump", summary))
+    is_jump = jump.get("verdict") in (*A_JUMP, AT_SILL)
+    return bool(jump.get("verdict")) and (is_jump or asked_of_a_dump("jump", summary))
 
 
 def is_spoken_of(summary: Mapping[str, Any]) -> bool:
-    """Tells whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
+    """Tells whether the title may speak of a jump: detected, or requested where a stream flows in; never of grains."""
     jump = part(summary, "jump")
     if not is_asked(summary) or of_grains(summary):
         return False
@@ -68,7 +68,7 @@ def _off(of: str, off: float, error: float | None) -> str:
 
 
 def _jump(jump: Mapping[str, Any], errors: float) -> str:
-    """Verdict on a jump; its front stands within so many of its errors."""
+    """Verdict on a jump; its front is stationary within so many of its errors."""
     if jump["verdict"] == AT_SILL:
         return "A jump that ends at the sill: no level water to compare."
     if jump["verdict"] not in A_JUMP:

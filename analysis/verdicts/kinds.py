@@ -20,7 +20,7 @@ class Doubt(NamedTuple):
     when : str
         The condition in words, for the table of the site.
     found : callable(summary) -> str
-        What is found of it in this run, with its numbers; empty where the condition does not hold.
+        What this run shows of it, with its numbers; empty where the condition does not hold.
     """
 
     when: str
@@ -43,9 +43,9 @@ class Verdict(NamedTuple):
     sentence : callable(summary) -> str, or None
         What screens and logs say at more length; None: the title.
     closes : bool
-        No other title is put behind it.
+        No other title is put after it.
     alone : bool
-        It answers only where no verdict before it does, and no other title is put behind it.
+        It answers only where no verdict before it does, and no other title is put after it.
     unanswered : callable(summary) -> str, or None
         Why there is no answer, where the case asks for one; else empty.
     """
@@ -74,12 +74,12 @@ class Verdict(NamedTuple):
 
 def part(summary: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     """The numbers of a quantity; empty where it was not made."""
-    found = summary.get(key)
-    return found if isinstance(found, Mapping) else {}
+    value = summary.get(key)
+    return value if isinstance(value, Mapping) else {}
 
 
 def asked_of_a_dump(quantity: str, summary: Mapping[str, Any]) -> bool:
-    """Tells whether somebody asked for a quantity: of a dump by an option, of a run by its case."""
+    """Tells whether somebody requested a quantity: of a dump by an option, of a run by its case."""
     return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
 
 
@@ -143,7 +143,7 @@ WITH = {(): "", ("friction",): " with friction", ("slope",): " on a slope",
         ("friction", "slope"): " with friction on a slope"}  # fmt: skip
 """Words for what Bélanger's relation leaves out, behind a verdict."""
 AT_SILL = "jump at the sill"
-"""Verdict on a rise that goes on up to the sill or fall: nothing behind it can be compared."""
+"""Verdict on a rise that goes on up to the sill or fall: nothing downstream of it can be compared."""
 DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
@@ -164,7 +164,7 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 
 
 def applies(key: str, verdict: str) -> bool:
-    """Tells whether a number of a jump goes with what was found: no length of a jump where there is none."""
+    """Tells whether a number of a jump belongs to the result: no length of a jump where there is none."""
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP
     return verdict == "jump" or (key not in OF_A_JUMP and not key.startswith("local."))

@@ -148,14 +148,14 @@ STATUS = {"failed": "The run failed.", "interrupted": "The run was interrupted."
 
 def answered(summary: Mapping[str, Any]) -> list[tuple[str, int]]:
     """Titles and numbers of the verdicts that answer, in their order."""
-    found: list[tuple[str, int]] = []
+    verdicts_given: list[tuple[str, int]] = []
     for number, verdict in enumerate(VERDICTS):
-        said = "" if found and verdict.alone else verdict.title(summary)
+        said = "" if verdicts_given and verdict.alone else verdict.title(summary)
         if said:
-            found.append((said, number))
+            verdicts_given.append((said, number))
             if verdict.closes or verdict.alone:
                 break
-    return found
+    return verdicts_given
 
 
 def verdict(summary: Mapping[str, Any]) -> str:
@@ -182,13 +182,13 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
     if (summary.get("status") or "complete") != "complete":
         return []
     shown = {number for _, number in answered(summary)[:TOGETHER]}
-    found = [
+    sentences = [
         text
         for number, one in enumerate(VERDICTS)
         if number in shown or not one.title(summary)
         for text in one.doubted(summary)
     ]
-    return [_signed(f"{text[:1].upper()}{text[1:].rstrip('.')}.") for text in dict.fromkeys(found)]
+    return [_signed(f"{text[:1].upper()}{text[1:].rstrip('.')}.") for text in dict.fromkeys(sentences)]
 
 
 def _signed(text: str) -> str:

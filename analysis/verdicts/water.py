@@ -31,7 +31,7 @@ def collapsed(front: Mapping[str, Any]) -> bool:
 
 
 def has_front(summary: Mapping[str, Any]) -> bool:
-    """Tells whether page and screen show the front: a case asked for it; in a dump a column fell, or a stream runs."""
+    """Tells whether page and screen show the front: a case requested it; in a dump a column fell, or a stream runs."""
     front = part(summary, "front")
     if front.get("position") is None:
         return False
@@ -50,7 +50,7 @@ def ritter_holds(front: Mapping[str, Any]) -> bool:
 
 def _collapse(summary: Mapping[str, Any]) -> str:
     front = part(summary, "front")
-    if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # told by the heap
+    if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # reported by the heap
         return ""
     if not collapsed(front):
         after = "" if front.get("time") is None else f" after {front['time']:z.3g} s"
@@ -88,7 +88,7 @@ def _collapse_at_length(summary: Mapping[str, Any]) -> str:
     when = "at the last frame" if after is None else f"after {after:z.2f} s"
     arrival = front.get("arrival_time")
     said = [f"{flow} front{of} is at {front['position']:z.2f} m {when}{speed}."]
-    if arrival is not None and collapsed(front):  # where it is at the end tells where the obstacle stands
+    if arrival is not None and collapsed(front):  # where it is at the end tells where the obstacle is
         said = [f"{flow} front ran at {front['speed']:z.2f} m/s and met the first obstacle after {arrival:z.2f} s."]
     elif arrival is not None:
         said.append(f"It met the first obstacle after {arrival:z.2f} s.")
@@ -128,7 +128,7 @@ def _lone_discs(summary: Mapping[str, Any]) -> str:
 
 def _front_stopped(summary: Mapping[str, Any]) -> str:
     front = part(summary, "front")
-    stop = front.get("stopped_by") if front.get("arrival_time") is None else None  # an arrival is told as one
+    stop = front.get("stopped_by") if front.get("arrival_time") is None else None  # an arrival is reported as one
     return f"the front has come to {stop} at the end: it would go further" if stop else ""
 
 
@@ -183,36 +183,36 @@ WAVES = Verdict(
 
 
 def _run_up(summary: Mapping[str, Any]) -> str:
-    found = part(summary, "runup")
-    on = f"{found['wall']}" if found.get("wall") else "the slope"
-    still, over, crest = found.get("run_up"), found.get("over") or 0.0, found.get("crest")
-    if crest is None or (found.get("highest") is None and not over):
+    runup = part(summary, "runup")
+    on = f"{runup['wall']}" if runup.get("wall") else "the slope"
+    still, over, crest = runup.get("run_up"), runup.get("over") or 0.0, runup.get("crest")
+    if crest is None or (runup.get("highest") is None and not over):
         return ""
-    if over and (found.get("highest") is None or found["highest"] <= crest):
-        return _goes_over(found, on)
+    if over and (runup.get("highest") is None or runup["highest"] <= crest):
+        return _goes_over(runup, on)
     above_still = f", {shown(still)} m over the still water" if still is not None else ""
     tail = f"{shown(over)} m² go over the crest at y = {place(crest)} m"
-    tail += " by the end, and more comes" if found.get("still_passes") else ""
+    tail += " by the end, and more comes" if runup.get("still_passes") else ""
     if not over:
         tail = f"nothing goes over the crest at y = {place(crest)} m"
-    return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
+    return f"The water reaches y = {place(runup['highest'])} m on {on}{above_still}; {tail}."
 
 
-def _goes_over(found: Mapping[str, Any], on: str) -> str:
+def _goes_over(overtopping: Mapping[str, Any], on: str) -> str:
     """Sentence on what goes over a crest, where there is no run-up."""
-    total, crest = f"{shown(found['over'])} m²", place(found["crest"])
-    if found.get("discharge") is None:
+    total, crest = f"{shown(overtopping['over'])} m²", place(overtopping["crest"])
+    if overtopping.get("discharge") is None:
         return f"{total} of water go over {on}, whose crest is at y = {crest} m."
-    head = f" under a head of {shown(found['head'])} m" if found.get("head") is not None else ""
-    rate = shown(found["discharge"])
+    head = f" under a head of {shown(overtopping['head'])} m" if overtopping.get("head") is not None else ""
+    rate = shown(overtopping["discharge"])
     return f"{rate} m²/s of water go over {on}{head} in the mean, {total} in all; its crest is at y = {crest} m."
 
 
 def _to_the_crest(summary: Mapping[str, Any]) -> str:
-    found = part(summary, "runup")
-    if not found.get("reaches_crest") or (found.get("freeboard") is not None and found["freeboard"] <= 0):
+    runup = part(summary, "runup")
+    if not runup.get("reaches_crest") or (runup.get("freeboard") is not None and runup["freeboard"] <= 0):
         return ""
-    if (found.get("over_discs") or 0) >= MANY_OVER:  # it is overtopped, and nobody asks for a run-up
+    if (runup.get("over_discs") or 0) >= MANY_OVER:  # it is overtopped, and nobody asks for a run-up
         return ""
     return "the water reaches the crest: a higher slope or wall would show a higher run-up"
 
@@ -263,7 +263,7 @@ def struck(summary: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
 
 
 def runs_against(force: Mapping[str, Any]) -> bool:
-    """Tells whether discs bring momentum beside the thrust of the deepest water; what climbs the wall is that deep."""
+    """Tells whether discs bring momentum besides the thrust of the deepest water; what climbs the wall is that deep."""
     return (force.get("oncoming_flux") or 0.0) > RUNNING * (force.get("hydrostatic") or 0.0)
 
 
@@ -309,12 +309,12 @@ def _overtopped(summary: Mapping[str, Any]) -> str:
 
 def _few_pass(summary: Mapping[str, Any]) -> str:
     """Structures over which few discs have gone."""
-    told = [
+    sentences = [
         f"{one['discs']} discs make what goes over {name}"
         for name, one in part(summary, "overtopping").items()
         if one.get("discharge") is not None and (one.get("discs") or 0) < MANY_OVER
     ]
-    return "; ".join(told)
+    return "; ".join(sentences)
 
 
 OVERTOPPED = Verdict(

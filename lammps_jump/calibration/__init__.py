@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Numbers of a case found from measurements: points, an emulator of the runs, and the posterior of the numbers."""
+"""Numbers of a case estimated from measurements: points, an emulator of the runs, posterior of the numbers."""
 
 import lazy_loader
 

@@ -20,7 +20,7 @@ from lammps_jump.sweeps import study as fields
 from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import numbers_of, shown
 
-from .besides import Besides, movers
+from .besides import NearestEffects, movers
 from .model import Model, TargetPart
 from .posterior import Posterior, emulate, sobol
 from .study import Calibration
@@ -28,9 +28,9 @@ from .study import Calibration
 WIDE = 0.5
 """A 95 % range of more than this part of the prior tells nothing of its number."""
 EDGE, BINS = 0.5, 20
-"""A posterior whose outermost of so many bins holds this part of its fullest one goes on behind its range."""
+"""A posterior whose outermost of so many bins holds this part of its fullest one continues beyond its range."""
 RIDGE = 0.5
-"""Size of a correlation, or of a correlation ratio, that hides two numbers behind each other."""
+"""Size of a correlation, or of a correlation ratio, at which one number compensates another."""
 AS_GOOD = 0.6
 """Part of the largest likelihood that fits about as well: one standard deviation of one number."""
 WORTH = 0.2
@@ -56,7 +56,7 @@ class Parameter:
     identified : bool
         The 95 % range is at most half as wide as the prior.
     at_edge : bool
-        The best values lie at one end of the prior, so that better ones may lie behind it.
+        The best values lie at one end of the prior, so that better ones may lie beyond it.
     edge : str
         'low', 'high' or ''.
     """
@@ -87,12 +87,12 @@ def partner(posterior: Posterior, number: int) -> tuple[int, float] | None:
     How much is the size of their correlation, or, where a ridge is bent, the correlation ratio: the square root of the
     part of the variance that a mean at each value of the other one explains.
     """
-    found = {
+    correlations = {
         other: max(abs(float(posterior.correlation[number, other])), _ratio(posterior, number, other))
         for other in range(len(posterior.best)) if other != number
     }  # fmt: skip
-    other = max(found, key=lambda one: found[one], default=None)
-    return (other, found[other]) if other is not None and found[other] > RIDGE else None
+    other = max(correlations, key=lambda one: correlations[one], default=None)
+    return (other, correlations[other]) if other is not None and correlations[other] > RIDGE else None
 
 
 def _ratio(posterior: Posterior, number: int, other: int) -> float:
@@ -127,18 +127,18 @@ def candidates(summaries: Mapping[int, Sequence[Mapping[str, Any]]], taken: Sequ
     taken : sequence of str
         Keys that are measured already.
     """
-    found: dict[str, np.ndarray] = {}
+    by_candidate: dict[str, np.ndarray] = {}
     starts = max(map(len, summaries.values()))
     for name, quantity in ((name, one) for name, one in QUANTITIES.items() if name not in NOT_MEASURED):
-        for key, told in numbers_of(quantity.result).items():
+        for key, number in numbers_of(quantity.result).items():
             path = f"{name}.{key}"
-            if path in taken or told.meaning.startswith("standard error") or key.endswith(("_interval", "_error")):
+            if path in taken or number.meaning.startswith("standard error") or key.endswith(("_interval", "_error")):
                 continue
             rows = [[number_at(one, path) for one in group] for group in summaries.values()]
             values = np.array([row + [np.nan] * (starts - len(row)) for row in rows])
             if np.isfinite(values).any(axis=1).mean() >= KNOWN:
-                found[path] = values
-    return found
+                by_candidate[path] = values
+    return by_candidate
 
 
 def reduction(posterior: Posterior, number: int, places: np.ndarray, values: np.ndarray) -> float:
@@ -163,10 +163,10 @@ def reduction(posterior: Posterior, number: int, places: np.ndarray, values: np.
     scatter = float(np.nansum((values - means[:, None]) ** 2) / freedom) if freedom else np.nan
     if np.ptp(means) <= 1e-9 * np.abs(means).max() or np.abs(np.corrcoef(means, places.T)[0, 1:]).max() > 1 - 1e-9:
         return 0.0
-    found = emulate(places, means, None if np.isnan(scatter) else scatter / starts)
+    emulator = emulate(places, means, None if np.isnan(scatter) else scatter / starts)
     drawn = posterior.drawn(400)
-    mean, variance = found.at(drawn)
-    variance = variance + (found.scatter if np.isnan(scatter) else scatter) + 1e-12 * np.ptp(means) ** 2
+    mean, variance = emulator.at(drawn)
+    variance = variance + (emulator.scatter if np.isnan(scatter) else scatter) + 1e-12 * np.ptp(means) ** 2
     own, left = drawn[:, number], []
     for truth in np.linspace(0, len(drawn) - 1, FIRST).astype(int):
         off = np.array([-1.0, 0.0, 1.0])[:, None] * np.sqrt(variance[truth])
@@ -182,12 +182,14 @@ def best_measurements(
     posterior: Posterior, number: int, places: np.ndarray, known: Mapping[str, np.ndarray]
 ) -> list[dict[str, Any]]:
     """The measurements that tell most of a varied number: key and `reduction`, the best first."""
-    found = {path: reduction(posterior, number, places, values) for path, values in known.items()}
-    order = sorted(found, key=lambda path: -found[path])[:LISTED]
-    return [{"key": path, "reduction": found[path]} for path in order if found[path] >= WORTH]
+    reductions = {path: reduction(posterior, number, places, values) for path, values in known.items()}
+    order = sorted(reductions, key=lambda path: -reductions[path])[:LISTED]
+    return [{"key": path, "reduction": reductions[path]} for path in order if reductions[path] >= WORTH]
 
 
-def unmet(model: Model, posterior: Posterior, near: int = 0, besides: Besides | None = None) -> list[dict[str, Any]]:
+def unmet(
+    model: Model, posterior: Posterior, near: int = 0, besides: NearestEffects | None = None
+) -> list[dict[str, Any]]:
     """Targets that are not within their errors where the model comes nearest to all of them; none where one place is.
 
     Within means the 95 % of Student's t or a normal number, shared among the targets (Bonferroni).
@@ -208,15 +210,15 @@ def unmet(model: Model, posterior: Posterior, near: int = 0, besides: Besides | 
     if min(distances.max(axis=1).min(), of_runs.max(axis=1).min()) <= limit:
         return []
     nearest = int(np.argmin(distances.max(axis=1)))
-    found = []
+    unmet_targets = []
     for number, part in enumerate(model.parts):
         if distances[nearest, number] > limit:
             values, _ = model.target_at(number, places)
             at = values[int(np.argmin(distances[:, number]))] if len(model.parts) == 1 else values[nearest]
             one = _unmet(part, at, float(distances[nearest, number]))
-            told = movers(model, part, near, besides) if besides is not None else []
-            found.append({**one, **_reach(part, model.values[number], limit), "moved_by": told})
-    return found
+            moving = movers(model, part, near, besides) if besides is not None else []
+            unmet_targets.append({**one, **_reach(part, model.values[number], limit), "moved_by": moving})
+    return unmet_targets
 
 
 def _unmet(part: TargetPart, near: np.ndarray, distance: float) -> dict[str, Any]:
@@ -252,23 +254,23 @@ def answer(
     not_met : list of dict
         As of `unmet`.
     """
-    paths, found = study.paths, {}
+    paths, parameters = study.paths, {}
     known: dict[str, np.ndarray] | None = None
     for number, path in enumerate(paths):
         one = parameter(posterior, number, study.vary[path])
-        found[path] = {**asdict(one), "hidden_by": None, "ridge": None, "measure": []}
+        parameters[path] = {**asdict(one), "hidden_by": None, "ridge": None, "measure": []}
         if one.identified:
             continue
         if known is None:
             known = candidates(summaries, [target.name for target in study.targets])
-        found[path]["measure"] = best_measurements(posterior, number, model.places, known)
+        parameters[path]["measure"] = best_measurements(posterior, number, model.places, known)
         if other := partner(posterior, number):
             ends = along(posterior, number, other[0])
             pairs = [[_back(study, number, a), _back(study, other[0], b)] for a, b in ends]
-            found[path] |= {"hidden_by": paths[other[0]], "ridge": pairs}
+            parameters[path] |= {"hidden_by": paths[other[0]], "ridge": pairs}
     correlation = posterior.correlation
     return {
-        "parameters": found,
+        "parameters": parameters,
         "correlation": {
             a: {b: float(correlation[i, j]) for j, b in enumerate(paths) if j != i} for i, a in enumerate(paths)
         },
@@ -296,7 +298,7 @@ def _target(model: Model, number: int, posterior: Posterior) -> dict[str, Any]:
 
 
 def _loo(model: Model, number: int) -> dict[str, Any]:
-    """Leave-one-out error of a target beside the error that it may have."""
+    """Leave-one-out error of a target, compared with the error that it may have."""
     part = model.parts[number]
     whole, own = model.left_out(number)
     allowed = float(np.sqrt(np.mean(part.target.error**2 + np.nan_to_num(part.scatter) ** 2)))
@@ -349,17 +351,17 @@ def brief(value: float) -> str:
     return shown(float(f"{value:z.3g}"))
 
 
-def ranged(path: str, found: Mapping[str, Any]) -> str:
+def ranged(path: str, parameter: Mapping[str, Any]) -> str:
     """Best value and 95 % range."""
     unit = fields.axis_unit(path)
-    half = max(0.5 * (found["high"] - found["low"]), 1e-12)
-    best, low, high = (shown(found[key], error=half, alone=True) for key in ("best", "low", "high"))
+    half = max(0.5 * (parameter["high"] - parameter["low"]), 1e-12)
+    best, low, high = (shown(parameter[key], error=half, alone=True) for key in ("best", "low", "high"))
     return f"{named(path)} {best}{f' {unit}' if unit else ''} (95 %: {low} to {high})"
 
 
 def verdict_of(data: Mapping[str, Any]) -> str:
     """The answer in a few sentences, of the content of ``calibration.json`` without its verdict."""
-    told = [(path, one) for path, one in data["parameters"].items() if one["identified"]]
+    identified = [(path, one) for path, one in data["parameters"].items() if one["identified"]]
     hidden = [(path, one) for path, one in data["parameters"].items() if not one["identified"]]
     said = []
     if data["unmet"]:
@@ -369,10 +371,10 @@ def verdict_of(data: Mapping[str, Any]) -> str:
             for one in data["unmet"]
             if one["moved_by"]
         ]
-        if told:
-            said.append("Nearest to the data: " + "; ".join(ranged(path, one) for path, one in told) + ".")
-    elif told:
-        said.append("The measurements give: " + "; ".join(ranged(path, one) for path, one in told) + ".")
+        if identified:
+            said.append("Nearest to the data: " + "; ".join(ranged(path, one) for path, one in identified) + ".")
+    elif identified:
+        said.append("The measurements give: " + "; ".join(ranged(path, one) for path, one in identified) + ".")
     for path, one in hidden:
         low, high = one["prior"]
         said.append(
@@ -385,15 +387,15 @@ def verdict_of(data: Mapping[str, Any]) -> str:
 def unmet_text(one: Mapping[str, Any]) -> str:
     """A target that no point comes near, and what the runs reach."""
     if one["curve"]:
-        told = f"{one['name']} stays {one['distance']:z.1f} errors from the measured curve (root mean square)"
+        sentence = f"{one['name']} stays {one['distance']:z.1f} errors from the measured curve (root mean square)"
         sides = [f"{side} all runs at {one[side]}" for side in ("above", "below") if one[side]]
-        return f"{told}, which lies {' and '.join(sides)} of its {one['points']} points" if sides else told
-    told = f"{one['name']} was measured as {shown(one['measured'])} ± {shown(one['error'], digits=2)}"
+        return f"{sentence}, which lies {' and '.join(sides)} of its {one['points']} points" if sides else sentence
+    sentence = f"{one['name']} was measured as {shown(one['measured'])} ± {shown(one['error'], digits=2)}"
     low, high = map(shown, one["runs"])
     if one["above"] or one["below"]:
-        return f"{told}, and no run of the ranges reaches it: they have {low} to {high}"
+        return f"{sentence}, and no run of the ranges reaches it: they have {low} to {high}"
     near = f"the nearest value is {shown(one['at_nearest'])}"
-    return f"{told}, and {near}; there are runs that reach it ({low} to {high}), and miss another target"
+    return f"{sentence}, and {near}; there are runs that reach it ({low} to {high}), and miss another target"
 
 
 def moved_text(data: Mapping[str, Any]) -> list[str]:
@@ -422,16 +424,16 @@ def moved_text(data: Mapping[str, Any]) -> list[str]:
 
 def _moved(change: Mapping[str, Any]) -> str:
     """A change and what it does to a target."""
-    told = f"{named(change['path'])} {brief(change['before'])} to {brief(change['after'])} "
+    sentence = f"{named(change['path'])} {brief(change['before'])} to {brief(change['after'])} "
     part = f"{100 * abs(change['closes']):z.0f} % of the gap"
     toward = f"closes {part}" if change["closes"] > 0 else f"widens it by {part}"
     if "from_value" not in change:
-        return told + toward
-    return f"{told}{toward} ({shown(change['from_value'])} to {shown(change['to_value'])})"
+        return sentence + toward
+    return f"{sentence}{toward} ({shown(change['from_value'])} to {shown(change['to_value'])})"
 
 
 def notes(data: Mapping[str, Any]) -> list[str]:
-    """Notes beside the verdict: edges, ridges, advice, the emulator, failed runs, errors not given."""
+    """Notes in addition to the verdict: edges, ridges, advice, emulator, failed runs, errors not given."""
     said = moved_text(data)
     for path, one in data["parameters"].items():
         if one["at_edge"]:
@@ -479,7 +481,7 @@ def hidden_text(path: str, data: Mapping[str, Any]) -> list[str]:
         and data["parameters"][other]["hidden_by"] == path
         and list(data["parameters"]).index(other) < list(data["parameters"]).index(path)
     ):
-        return []  # told of the other one
+        return []  # reported for the other one
     if other:
         first, second = one["ridge"]
         pair = [f"{brief(a)} with {brief(b)}" for a, b in (first, second)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Further numbers of the case that move a measurement which no run reaches, by runs that change one of them.
 
-The runs stand at the point that is nearest to the measurements, with starts of their own, and count to the budget. What
+The runs are at the point that is nearest to the measurements, with starts of their own, and count to the budget. What
 a change does is taken along the gap between the measurement and the runs of that point.
 """
 
@@ -39,7 +39,7 @@ STEP = 0.5
 SURE = 2.0
 """Standard errors above which an effect is one."""
 LISTED = 3
-"""Numbers that are told of each target."""
+"""Numbers that are listed for each target."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def changes_of(study: Calibration, values: Mapping[str, float]) -> list[Change]:
     """Changes that can be tried, at the point that has these values: fields that the case has, and that stay a case."""
     case = study.case.replace(dict(values))
     curve = isinstance(case.fields.discs.sizes, GradingCurve)  # its sizes are no multiples of the nominal one
-    found = []
+    changes = []
     for path in (*NUMBERS, *RELATIVE):
         if path in study.vary or (curve and path == "discs.diameter"):
             continue
@@ -75,16 +75,16 @@ def changes_of(study: Calibration, values: Mapping[str, float]) -> list[Change]:
             after = before + STEP * (end - before)
         change = Change(path, before, float(f"{after:z.3g}"))
         if change.after != before and _can_be_run(study, values, change):
-            found.append(change)
-    return found
+            changes.append(change)
+    return changes
 
 
 def _number_at(fields: object, path: str) -> float | None:
     """The number of a field; None where the case has none there, or another kind of value."""
-    found: Any = fields
+    value: Any = fields
     for name in path.split("."):
-        found = getattr(found, name, None)
-    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
+        value = getattr(value, name, None)
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 def _can_be_run(study: Calibration, values: Mapping[str, float], change: Change) -> bool:
@@ -96,8 +96,8 @@ def _can_be_run(study: Calibration, values: Mapping[str, float], change: Change)
 
 
 @dataclass(frozen=True)
-class Besides:
-    """Result of the runs beside the ranges.
+class NearestEffects:
+    """Result of the runs outside the ranges.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class Besides:
 
 def look_besides(
     study: Calibration, values: Mapping[str, float], folder: Path, pool: Pool, *, used: int, first_seed: int
-) -> Besides:
+) -> NearestEffects:
     """Run the changes at a point, as many as the budget has room for.
 
     Parameters
@@ -149,10 +149,10 @@ def look_besides(
                 seen[target.name][number, k] = target.of_run(made.folder, made.summary) if made.summary else np.nan
             except (CaseError, DumpError):  # a table that this run has not, or a damaged one: nothing is known of it
                 continue
-    return Besides(tuple(possible[:count]), tuple(possible[count:]), seen, len(starts))
+    return NearestEffects(tuple(possible[:count]), tuple(possible[count:]), seen, len(starts))
 
 
-def movers(model: Model, part: TargetPart, near: int, found: Besides) -> list[dict[str, Any]]:
+def movers(model: Model, part: TargetPart, near: int, besides: NearestEffects) -> list[dict[str, Any]]:
     """The changes that move a target along its gap, those that close most of it first.
 
     Each has ``path``, ``before``, ``after``; ``closes``, the part of the gap that the change takes away, below 0 where
@@ -165,18 +165,18 @@ def movers(model: Model, part: TargetPart, near: int, found: Besides) -> list[di
         Of the target.
     near : int
         The point at which the changes were made, among those of the model.
-    found : Besides
+    besides : Besides
     """
     number = [one.target.name for one in model.parts].index(part.target.name)
     base = model.values[number][near]
     starts = int(np.isfinite(base).all(axis=1).sum())
-    kept = found.values[part.target.name][..., part.kept]
+    kept = besides.values[part.target.name][..., part.kept]
     gap = part.target.measured - np.nanmean(base, axis=0)
     size = float(np.linalg.norm(gap))
     along = gap / size if size else np.ones(len(gap)) / np.sqrt(len(gap))
     scatter = float(np.sum(np.abs(along) * np.nan_to_num(part.scatter)))  # as if all points went together
-    told = []
-    for change, values in zip(found.changes, kept, strict=True):
+    moving = []
+    for change, values in zip(besides.changes, kept, strict=True):
         some = np.isfinite(values).all(axis=1)
         if not some.any() or not size:
             continue
@@ -192,12 +192,12 @@ def movers(model: Model, part: TargetPart, near: int, found: Besides) -> list[di
         }
         if not part.target.axis:
             one |= {"from_value": float(np.nanmean(base)), "to_value": float(mean[0])}
-        told.append(one)
-    return sorted(told, key=lambda one: -abs(one["closes"]))[:LISTED]
+        moving.append(one)
+    return sorted(moving, key=lambda one: -abs(one["closes"]))[:LISTED]
 
 
-def tried(found: Besides | None) -> dict[str, Sequence[str]]:
+def tried(besides: NearestEffects | None) -> dict[str, Sequence[str]]:
     """Paths that were tried, and those that were not, as plain data."""
-    if found is None:
+    if besides is None:
         return {"tried": [], "left": []}
-    return {"tried": [one.path for one in found.changes], "left": [one.path for one in found.left]}
+    return {"tried": [one.path for one in besides.changes], "left": [one.path for one in besides.left]}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Find numbers of a case from measurements: runs at points of their ranges, round by round, until the answer stands."""
+"""Estimates numbers of a case from measurements: runs at points of their ranges, in rounds, until it has settled."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
 from lammps_jump.sweeps.members import RUNS
 
 from .answer import answer, no_answer, unmet, with_words
-from .besides import Besides, tried
+from .besides import NearestEffects, tried
 from .posterior import require_sklearn
-from .search import POINTS, Fit, Observed, Search, SearchProgress
+from .search import POINTS, Fit, PointResults, Search, SearchProgress
 from .study import Calibration, read_calibration
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 ANSWER, SAMPLES, BEST = "calibration.json", "samples.nc", "best.yaml"
 
 
-class More(TypedDict, total=False):
+class CalibrateOptions(TypedDict, total=False):
     """Further options of `calibrate`."""
 
     seed: int | None
@@ -61,7 +61,7 @@ def calibrate(
     budget: int | None = None,
     members: int | None = None,
     progress: Callable[[SearchProgress], None] = lambda progress: None,
-    **more: Unpack[More],
+    **more: Unpack[CalibrateOptions],
 ) -> Calibrated:
     """Find numbers of a case from measurements; what the folder holds is not run again.
 
@@ -73,7 +73,7 @@ def calibrate(
         What was measured: ``"jump.y2=6.7 ± 0.1"``, ``{"data": "heap.csv", "columns": "x=x,heap.depth=h ± 0.01"}``; or
         ``{"jump.y2": (6.7, 0.1)}``. Units are those of ``summary.json``.
     vary : mapping, optional
-        Range of each number that is to be found, by its path: ``{"contact.friction": (0.1, 0.9)}``.
+        Range of each number that is to be estimated, by its path: ``{"contact.friction": (0.1, 0.9)}``.
     out : str or Path, optional
         Default ``runs/<stem of the file>_calibrate``.
     budget : int, optional
@@ -116,28 +116,28 @@ def default_folder(case: str | Path | Mapping[str, Any] | ReadCase, read: Case) 
     return Path("runs") / f"{stem}_calibrate"
 
 
-def write(search: Search, observed: Observed, besides: Besides | None) -> None:
+def write(search: Search, observed: PointResults, besides: NearestEffects | None) -> None:
     """Write the answer: ``calibration.json``, ``samples.nc``, ``best.yaml``, figures, and the page."""
     study, fit = search.study, search.fit(observed)
     points, folder = len(search.points), search.folder
     listed = _listed(search, observed)
     runs, pictures = sum(map(len, observed.folders.values())) + (besides.runs if besides else 0), {}
     if fit.model is None or fit.posterior is None:
-        found = no_answer(study, points, len(fit.good), fit.needed)
+        result = no_answer(study, points, len(fit.good), fit.needed)
     else:
         not_met = unmet(fit.model, fit.posterior, fit.nearest, besides)
         summaries = {number: observed.summaries[number] for number in fit.good}
-        found = answer(study, fit.model, fit.posterior, summaries, not_met) | {"besides": tried(besides)}
+        result = answer(study, fit.model, fit.posterior, summaries, not_met) | {"besides": tried(besides)}
         for number, distances in zip(fit.good, fit.model.distances_of_points(), strict=True):
             listed[number]["distance"] = float(distances.max())
-        found |= {"nearest": fit.good[fit.nearest]}
+        result |= {"nearest": fit.good[fit.nearest]}
         write_netcdf(samples_of(study, fit), folder / SAMPLES)
-        best = {path: one["best"] for path, one in found["parameters"].items()}
+        best = {path: one["best"] for path, one in result["parameters"].items()}
         write_text(folder / BEST, study.case.replace(best).to_yaml())
         values = [one[fit.nearest] for one in fit.model.values]
-        pictures = page.draw(study, fit.model, fit.posterior, values, folder, page.ridges(found))
+        pictures = page.draw(study, fit.model, fit.posterior, values, folder, page.ridges(result))
     data = plain(with_words({
-        **found, "runs": runs + len(observed.failures), "failed": len(observed.failures),
+        **result, "runs": runs + len(observed.failures), "failed": len(observed.failures),
         "failures": observed.failures, "budget": study.budget, "members": study.members, "seed": study.seed,
         "rounds": [{"of": one["of"], "points": len(one["points"])} for one in search.rounds], "points": listed,
         "name": study.case.name, "description": study.case.fields.description, "versions": versions("scikit-learn"),
@@ -146,7 +146,7 @@ def write(search: Search, observed: Observed, besides: Besides | None) -> None:
     page.write_page(study, data, folder, pictures)
 
 
-def _listed(search: Search, observed: Observed) -> list[dict[str, Any]]:
+def _listed(search: Search, observed: PointResults) -> list[dict[str, Any]]:
     """The points: values, number of the round, run folders; the distance from the measurements is not known yet."""
     rounds = [(place, point) for place, one in enumerate(search.rounds) for point in one["points"]]
     folders = ([str(one.relative_to(search.folder)) for one in observed.folders.get(k, [])] for k in range(len(rounds)))
@@ -170,7 +170,7 @@ def samples_of(study: Calibration, fit: Fit) -> xr.Dataset:
     return xr.Dataset(data, attrs={"prior": "flat in the ranges"})
 
 
-class _Found(BaseModel, strict=True):
+class _BestValues(BaseModel, strict=True):
     best: FiniteFloat | None
     low: FiniteFloat | None
     high: FiniteFloat | None
@@ -189,7 +189,7 @@ class StoredAnswer(BaseModel, strict=True):
 
     verdict: str
     notes: list[str]
-    parameters: dict[str, _Found]
+    parameters: dict[str, _BestValues]
     correlation: dict[str, dict[str, FiniteFloat | None]]
     points: list[_Point]
     nearest: NonNegativeInt | None = None
@@ -279,7 +279,7 @@ class Calibrated(NearestNames):
 
     @property
     def notes(self) -> list[str]:
-        """Notes beside the answer."""
+        """Notes in addition to the answer."""
         return list(self.data["notes"])
 
     @property

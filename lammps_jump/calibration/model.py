@@ -4,7 +4,7 @@
 A curve is put into numbers by its principal components over the points: I. T. Jolliffe, Principal Component Analysis,
 Springer 2002, ch. 2. Source of the likelihood: M. C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63 (2001) 425.
 
-The curves of the runs span a few components. What the measured curve has beside them no number of the case explains:
+The curves of the runs span a few components. What the measured curve has besides, no number of the case explains:
 it tells what errors are possible. The likelihood is then a mean over these errors (A. Gelman et al., Bayesian Data
 Analysis, 3rd ed., CRC 2013, sec. 3.1: a nuisance number is integrated out). An error that is alike over some length
 has the covariance exp(-distance/length) (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine
@@ -33,7 +33,7 @@ SIZES, LENGTHS = 40, 5
 LONGEST = 0.5
 """Longest length over which an error is alike, in extents of the curve."""
 ROUND_OFF = 1e-9
-"""Added to the diagonal, in variances of the error: points may stand at one place."""
+"""Added to the diagonal, in variances of the error: points may coincide."""
 ROUGH = 1e-4
 """As `ROUND_OFF`, of the scatter over starts: part of its variance that each point has of its own."""
 
@@ -82,15 +82,15 @@ def alike(at: np.ndarray, length: float) -> np.ndarray:
 
 
 def possible_errors(
-    at: np.ndarray, measured: np.ndarray, beside: np.ndarray, own: np.ndarray, scatter: np.ndarray
+    at: np.ndarray, measured: np.ndarray, off_components: np.ndarray, own: np.ndarray, scatter: np.ndarray
 ) -> PossibleErrors:
-    """Errors by how likely they make what a measured curve has beside the components of the runs.
+    """Errors by how likely they make what a measured curve has outside the components of the runs.
 
     Parameters
     ----------
     at, measured : ndarray, shape (k,)
         The curve.
-    beside : ndarray, shape (k - components, k)
+    off_components : ndarray, shape (k - components, k)
         Takes from a curve what no component explains; its rows are directions over the scales of the points.
     own : ndarray, shape (k - components,)
         What the measured curve has there.
@@ -100,8 +100,10 @@ def possible_errors(
     span = float(np.ptp(measured)) or float(np.abs(measured).max()) or 1.0
     sizes = span * np.geomspace(LEAST, MOST, SIZES)
     lengths = _lengths(at)
-    known = beside @ scatter @ beside.T
-    logs = np.array([_logs(own, beside @ alike(at, length) @ beside.T, known, sizes) for length in lengths])
+    known = off_components @ scatter @ off_components.T
+    logs = np.array(
+        [_logs(own, off_components @ alike(at, length) @ off_components.T, known, sizes) for length in lengths]
+    )
     weights = np.exp(logs - logs.max()).ravel()
     drawn = np.searchsorted(np.cumsum(weights / weights.sum()), (np.arange(POSSIBLE) + 0.5) / POSSIBLE)
     length, size = np.unravel_index(np.minimum(drawn, weights.size - 1), logs.shape)
@@ -127,10 +129,10 @@ def scatter_of(at: np.ndarray, off: np.ndarray, freedom: float) -> np.ndarray:
     freedom : float
         Of `off`; 0 where no point of the ranges has two starts, and nothing is known.
     """
-    found = off.T @ off / max(freedom, 1.0)
-    sd = np.sqrt(np.diag(found))
+    covariance = off.T @ off / max(freedom, 1.0)
+    sd = np.sqrt(np.diag(covariance))
     if not sd.any():
-        return found
+        return covariance
     some = sd > 0
     own, best, most = off[:, some] / sd[some], 0.0, -np.inf
     for length in _lengths(at):
@@ -139,7 +141,7 @@ def scatter_of(at: np.ndarray, off: np.ndarray, freedom: float) -> np.ndarray:
         if log > most:
             best, most = length, log
     keep = freedom / (freedom + len(at))
-    return keep * found + (1 - keep) * alike(at, best) * np.outer(sd, sd)
+    return keep * covariance + (1 - keep) * alike(at, best) * np.outer(sd, sd)
 
 
 def _logs(own: np.ndarray, shape: np.ndarray, known: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -250,8 +252,8 @@ class Model:
 
     def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Emulated numbers and their variances, shape (n, numbers)."""
-        found = [one.at(places) for one in self.emulators]
-        return np.array([mean for mean, _ in found]).T, np.array([variance for _, variance in found]).T
+        predictions = [one.at(places) for one in self.emulators]
+        return np.array([mean for mean, _ in predictions]).T, np.array([variance for _, variance in predictions]).T
 
     def log_likelihood(self, places: np.ndarray) -> np.ndarray:
         """Of places in the unit cube, shape (n,), but for a constant.
@@ -264,9 +266,9 @@ class Model:
 
     def log_density(self, off: np.ndarray, variance: np.ndarray) -> np.ndarray:
         """As `log_likelihood`, of differences and emulators' variances, shape (n, numbers)."""
-        found = np.array([self._log_density(off, variance, error) for error in self.errors])
-        most = found.max(axis=0)
-        return most + np.log(np.mean(np.exp(found - most), axis=0))
+        densities = np.array([self._log_density(off, variance, error) for error in self.errors])
+        most = densities.max(axis=0)
+        return most + np.log(np.mean(np.exp(densities - most), axis=0))
 
     def _log_density(self, off: np.ndarray, variance: np.ndarray, error: np.ndarray) -> np.ndarray:
         """As `log_density`, for one covariance of the measurement."""
@@ -289,20 +291,20 @@ class Model:
 
         Of a curve the root mean square over its points.
         """
-        found = []
+        distances = []
         for number, part in enumerate(self.parts):
             values, sd = self.target_at(number, places)
             variance = part.target.error**2 + np.nan_to_num(part.scatter) ** 2 + sd**2
-            found.append(np.sqrt(np.mean((values - part.target.measured) ** 2 / variance, axis=1)))
-        return np.array(found).T
+            distances.append(np.sqrt(np.mean((values - part.target.measured) ** 2 / variance, axis=1)))
+        return np.array(distances).T
 
     def distances_of_points(self) -> np.ndarray:
         """As `distances`, of the runs themselves, shape (points, targets)."""
-        found = []
+        distances = []
         for part, means in zip(self.parts, self.means, strict=True):
             variance = part.target.error**2 + np.nan_to_num(part.scatter) ** 2 + 1e-300
-            found.append(np.sqrt(np.mean((means - part.target.measured) ** 2 / variance, axis=1)))
-        return np.array(found).T
+            distances.append(np.sqrt(np.mean((means - part.target.measured) ** 2 / variance, axis=1)))
+        return np.array(distances).T
 
     def left_out(self, number: int) -> tuple[float, float]:
         """Leave-one-out error of a target: root mean square, and the same without the scatter of the point itself.
@@ -355,23 +357,23 @@ def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str,
     if scatter is None:
         scatter = np.diag([one.scatter for one in emulators])
     measured = np.concatenate([part.into(part.target.measured) for part in parts])
-    found = emulators, measured, _errors(parts), scatter, freedom, places
-    return Model(tuple(parts), *found, tuple(means), tuple(kept))
+    shared = emulators, measured, _errors(parts), scatter, freedom, places
+    return Model(tuple(parts), *shared, tuple(means), tuple(kept))
 
 
 def _errors(parts: Sequence[TargetPart]) -> np.ndarray:
     """Covariances of the measurement of all numbers, shape (m, numbers, numbers)."""
     curves = [part.possible for part in parts if part.possible is not None]
     which = together(curves) if curves else np.zeros((1, 0), int)
-    found, column, start = np.zeros((len(which), *[sum(len(part.directions) for part in parts)] * 2)), 0, 0
+    covariances, column, start = np.zeros((len(which), *[sum(len(part.directions) for part in parts)] * 2)), 0, 0
     for part in parts:
         own = slice(start, start := start + len(part.directions))
         if part.possible is None:
-            found[:, own, own] = part.error_covariances
+            covariances[:, own, own] = part.error_covariances
         else:
-            found[:, own, own] = part.error_covariances[which[:, column]]
+            covariances[:, own, own] = part.error_covariances[which[:, column]]
             column += 1
-    return found
+    return covariances
 
 
 def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray, np.ndarray]:
@@ -408,7 +410,7 @@ def _part(target: Target, values: np.ndarray) -> TargetPart:
     centre = means.mean(axis=0)
     if not target.axis:
         return TargetPart(target, centre, np.ones(1), np.ones((1, 1)), scatter)
-    # without an error what the nearest run leaves stands for it, until the components are known
+    # without an error what the nearest run leaves is used for it, until the components are known
     error = target.error if target.stated else np.sqrt(np.mean((means - target.measured) ** 2, axis=1).min())
     spread = np.sqrt(error**2 + np.nan_to_num(scatter) ** 2)
     scale = np.maximum(spread, 1e-3 * means.std(axis=0).max() + 1e-300)
@@ -424,9 +426,9 @@ def _estimated(part: TargetPart, scatter: np.ndarray) -> TargetPart:
     """A curve without an error, with those that it may have; `scatter` is the covariance of a single run, (k, k)."""
     target = part.target
     count = len(part.directions)
-    beside = np.linalg.qr(part.directions.T, mode="complete")[0].T[count:]
-    own = beside @ ((target.measured - part.centre) / part.scale)
-    possible = possible_errors(target.at, target.measured, beside / part.scale, own, scatter)
+    off_components = np.linalg.qr(part.directions.T, mode="complete")[0].T[count:]
+    own = off_components @ ((target.measured - part.centre) / part.scale)
+    possible = possible_errors(target.at, target.measured, off_components / part.scale, own, scatter)
     known = replace(target, error=np.full(len(target.at), possible.typical))
     return replace(part, target=known, possible=possible)
 
@@ -434,8 +436,8 @@ def _estimated(part: TargetPart, scatter: np.ndarray) -> TargetPart:
 def _pooled(off: np.ndarray, freedom: float) -> np.ndarray:
     """Covariance of single runs, pooled over the points; nearer to a diagonal one where it is known badly.
 
-    Of k numbers with f degrees of freedom the part k/(k + f) of what is beside the diagonal is left out.
+    Of k numbers with f degrees of freedom the part k/(k + f) of what is off the diagonal is left out.
     """
-    found = off.T @ off / freedom
-    keep = freedom / (freedom + len(found))
-    return keep * found + (1 - keep) * np.diag(np.diag(found))
+    covariance = off.T @ off / freedom
+    keep = freedom / (freedom + len(covariance))
+    return keep * covariance + (1 - keep) * np.diag(np.diag(covariance))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page of a calibration: the verdict, measured values and runs beside each other, the posterior, the runs."""
+"""The page of a calibration: the verdict, measured values next to runs, the posterior, the runs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def parameter_rows(data: Mapping[str, Any]) -> list[list[Any]]:
 
 
 def target_rows(data: Mapping[str, Any]) -> list[list[Any]]:
-    """Measured numbers beside those at the best values; of curves how many points there are."""
+    """Measured numbers next to those at the best values; of curves how many points there are."""
     rows: list[list[Any]] = []
     for name, one in data["targets"].items():
         loo = shown(data["loo"][name]["emulator"], digits=2)
@@ -123,9 +123,11 @@ def sections(
     drawn = {part: [picture(path, CAPTIONS[path.stem]) for path in paths] for part, paths in pictures.items()}
     again = typed("analyze", folder / "RUN", "--set", "analysis.figures=default")
     one = f"`{again}` makes the report of one of these runs."
-    told = f"{data['runs']} runs of at most {data['budget']}, {data['failed']} left out. All values in a range were "
+    sentence = (
+        f"{data['runs']} runs of at most {data['budget']}, {data['failed']} left out. All values in a range were "
+    )
     return [
-        Section("", [Boxes(boxes(data)), Text(f"{told}equally likely before.", "sure")]),
+        Section("", [Boxes(boxes(data)), Text(f"{sentence}equally likely before.", "sure")]),
         Section("", [Items(data["notes"], "What to know")]),
         Section("Measured, and runs", [*drawn.get("measured", ()), Table(target_rows(data), TARGET_HEADS),
                                        *players(data, folder)]),

@@ -31,7 +31,7 @@ DRAWN = 8192
 KEPT = 2000
 """Samples of the posterior, of equal weight."""
 FAR = 12.0
-"""Drop of the log likelihood behind which nothing is looked for: 4.9 standard deviations of one number."""
+"""Drop of the log likelihood beyond which no search is made: 4.9 standard deviations of one number."""
 LOOKS, LEAST = 12, 0.7
 """Times that the looked-at box may shrink, and the share of its size above which it does no more."""
 MASS, NEAR = 0.95, 0.005
@@ -79,7 +79,7 @@ class Posterior:
     weights : ndarray, shape (n,)
         Their sum is 1.
     best : ndarray, shape (varied,)
-        The place of the largest likelihood that was found.
+        The place of the largest likelihood of the search.
     """
 
     places: np.ndarray
@@ -132,10 +132,10 @@ def sample(log_likelihood: LogLikelihood, varied: int) -> Posterior:
     for look in range(LOOKS):
         places = (low + sobol(DRAWN, varied, look) * (high - low)) @ axes.T
         places = places[((places >= 0) & (places <= 1)).all(axis=1)]
-        found = log_likelihood(places)
-        if found.max() > most:
-            best, most = places[int(np.argmax(found))], float(found.max())
-        near = places[found > most - FAR]
+        likelihoods = log_likelihood(places)
+        if likelihoods.max() > most:
+            best, most = places[int(np.argmax(likelihoods))], float(likelihoods.max())
+        near = places[likelihoods > most - FAR]
         turned = np.linalg.eigh(np.atleast_2d(np.cov(near.T)))[1] if len(near) > varied else axes
         along = near @ turned
         pad = 0.05 * np.ptp(along, axis=0) + (high - low).min() / DRAWN
@@ -143,7 +143,7 @@ def sample(log_likelihood: LogLikelihood, varied: int) -> Posterior:
         if np.prod((smaller[1] - smaller[0]) / (high - low)) > LEAST:
             break
         axes, (low, high) = turned, smaller
-    weights = np.exp(found - found.max())
+    weights = np.exp(likelihoods - likelihoods.max())
     return Posterior(places, weights / weights.sum(), best)
 
 
@@ -182,8 +182,8 @@ def _libraries() -> ThreadpoolController:
 
 def one_thread() -> AbstractContextManager[object]:
     """Linear algebra on one thread for the time of a ``with`` block: matrices of tens of rows gain nothing by more."""
-    found: AbstractContextManager[object] = _libraries().limit(limits=1)
-    return found
+    context: AbstractContextManager[object] = _libraries().limit(limits=1)
+    return context
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def emulate(places: np.ndarray, values: np.ndarray, noise: np.ndarray | None) ->
     """Fit an emulator to the means of the points: a smooth function, and a part of each point that it does not explain.
 
     That part is the scatter of a run where no other is known. Else it belongs to what the emulator does not know: a
-    scatter that is larger here than there, or that few starts have told too small.
+    scatter that is larger here than there, or that few starts have given too small.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
 from lammps_jump.sweeps.members import Member, Start, failure_message, plan, run_members
 
 from .answer import brief, short, unmet
-from .besides import Besides, look_besides
+from .besides import NearestEffects, look_besides
 from .model import Model, model_of
 from .posterior import Posterior, sample, sobol
 from .study import SPARE, Calibration
@@ -126,7 +126,7 @@ class SearchProgress:
 
 
 @dataclass
-class Observed:
+class PointResults:
     """Results of the runs of some points.
 
     Attributes
@@ -155,10 +155,10 @@ class Fit:
     study : Calibration
     points : ndarray, shape (points, varied)
     observed : Observed
-        Of these points, and perhaps of more behind them.
+        Of these points, and perhaps of further ones after them.
     """
 
-    def __init__(self, study: Calibration, points: np.ndarray, observed: Observed):
+    def __init__(self, study: Calibration, points: np.ndarray, observed: PointResults):
         self.study = study
         self.good = [number for number in range(len(points)) if observed.summaries.get(number)]
         self.needed = len(study.vary) + SPARE
@@ -184,15 +184,15 @@ class Fit:
     @property
     def ranges(self) -> list[tuple[float, float]]:
         """95 % ranges in the unit cube; none where there is no posterior."""
-        found = self.posterior
-        return [found.range_of(k) for k in range(len(found.best))] if found is not None else []
+        posterior = self.posterior
+        return [posterior.range_of(k) for k in range(len(posterior.best))] if posterior is not None else []
 
     def best_in_words(self) -> str:
         """The best values so far and their ranges; empty without a posterior."""
-        found, study = self.posterior, self.study
-        if found is None:
+        posterior, study = self.posterior, self.study
+        if posterior is None:
             return ""
-        numbers = np.array([[best, low, high] for best, (low, high) in zip(found.best, self.ranges, strict=True)]).T
+        numbers = np.array([[best, low, high] for best, (low, high) in zip(posterior.best, self.ranges, strict=True)]).T
         best, low, high = (study.bounds[:, 0] + row * np.ptp(study.bounds, axis=1) for row in numbers)
         return ", ".join(
             f"{short(path)} {brief(best[k])} ({brief(low[k])} to {brief(high[k])})"
@@ -228,8 +228,8 @@ class Search:
 
     @property
     def _signature(self) -> str:
-        asked = {"targets": [one.as_field for one in self.study.targets], "budget": self.study.budget}
-        return short_hash(plain({**asked, "members": self.study.members}))
+        request = {"targets": [one.as_field for one in self.study.targets], "budget": self.study.budget}
+        return short_hash(plain({**request, "members": self.study.members}))
 
     def _stored(self) -> list[dict[str, Any]]:
         """Rounds that the folder holds, of the same ranges and seed; with other targets or budget they go on.
@@ -243,15 +243,15 @@ class Search:
         if not os.path.lexists(path):
             return []
         with foreign(CaseError, f"{path}: holds no rounds of this calibration", "put the file back, or delete it"):
-            found = StoredRounds.model_validate(read_json(path))
-            if [found.vary, found.seed] != [plain(self.study.vary), self.study.seed]:
+            rounds = StoredRounds.model_validate(read_json(path))
+            if [rounds.vary, rounds.seed] != [plain(self.study.vary), self.study.seed]:
                 return []
-            points = np.array([point for one in found.rounds for point in one.points], float)
+            points = np.array([point for one in rounds.rounds for point in one.points], float)
             unit = self.study.unit(points.reshape(-1, len(self.study.vary)))
             if points.shape[1:] not in ((), unit.shape[1:]) or not ((unit > -NEAR) & (unit < 1 + NEAR)).all():
                 raise ValueError("a point lies outside the ranges")
-        same = found.asked == self._signature
-        return [{"of": one.of if same or one.of != CHECK else LIKELY, "points": one.points} for one in found.rounds]
+        same = rounds.asked == self._signature
+        return [{"of": one.of if same or one.of != CHECK else LIKELY, "points": one.points} for one in rounds.rounds]
 
     def write(self) -> None:
         """Write the study and its rounds so far, before their runs are made."""
@@ -259,7 +259,7 @@ class Search:
         about = {"vary": self.study.vary, "seed": self.study.seed, "asked": self._signature}
         write_json(self.folder / ROUNDS_FILE, plain({**about, "rounds": self.rounds}))
 
-    def fit(self, observed: Observed, rounds: int | None = None) -> Fit:
+    def fit(self, observed: PointResults, rounds: int | None = None) -> Fit:
         """The fit to the points of the first rounds; default all."""
         count = sum(len(one["points"]) for one in self.rounds[:rounds])
         if count not in self._fits:
@@ -275,31 +275,31 @@ class Search:
             self.rounds.append({"of": OVER, "points": study.points(places).tolist()})
         self.write()
 
-    def go_on(self, pool: Pool) -> Observed:
-        """Make rounds until the answer stands or the budget is used; what their runs gave."""
+    def go_on(self, pool: Pool) -> PointResults:
+        """Makes rounds until the answer settles or the budget is used; what their runs gave."""
         self.begin()
         observed = self.run(pool)
-        while (found := self.next_round(observed)) is not None:
-            self.rounds.append(found)
+        while (next_round := self.next_round(observed)) is not None:
+            self.rounds.append(next_round)
             self.write()
             observed = self.run(pool)
         return observed
 
-    def look_besides(self, observed: Observed, pool: Pool) -> Besides | None:
+    def look_besides(self, observed: PointResults, pool: Pool) -> NearestEffects | None:
         """Change other numbers of the case where no place meets the measurements; None where one does."""
         fit = self.fit(observed)
         if not fit.unmet:
             return None
         point = self.points[fit.good[fit.nearest]].tolist()
         used = sum(map(len, observed.folders.values())) + len(observed.failures)
-        first = self.study.case.fields.run.seed + self.study.budget  # behind the starts of all points
+        first = self.study.case.fields.run.seed + self.study.budget  # after the starts of all points
         values = dict(zip(self.study.paths, point, strict=True))
-        found = look_besides(self.study, values, self.folder, pool, used=used, first_seed=first)
-        self._tell(done=self.now.done + found.runs)
-        return found
+        besides = look_besides(self.study, values, self.folder, pool, used=used, first_seed=first)
+        self._tell(done=self.now.done + besides.runs)
+        return besides
 
-    def next_round(self, observed: Observed) -> dict[str, Any] | None:
-        """The next round of points; None where the answer stands or the budget is used."""
+    def next_round(self, observed: PointResults) -> dict[str, Any] | None:
+        """The next round of points; None where the answer has settled or the budget is used."""
         study, varied, there = self.study, len(self.study.vary), len(self.points)
         most = study.most_points
         if self.rounds[-1]["of"] == CHECK or there >= most:
@@ -332,17 +332,17 @@ class Search:
             raise CaseError(f"{self.folder}: every point of the ranges is refused; the first one: {first}")
         return Sweep(study.sweep(kept), self.folder / POINTS)
 
-    def run(self, pool: Pool) -> Observed:
+    def run(self, pool: Pool) -> PointResults:
         """Make the runs that are lacking, and collect all."""
-        found = self.sweep()
-        with held_study(found.folder):
-            prepare(found)
+        sweep = self.sweep()
+        with held_study(sweep.folder):
+            prepare(sweep)
             again = ("failed",) if self.retry else ()
-            stages = [state.stage for state in found.states.values()]
+            stages = [state.stage for state in sweep.states.values()]
             failed = 0 if self.retry else stages.count("failed")
             self.now = replace(self.now, done=stages.count("done"), failed=failed)
             steps: dict[str, tuple[float, int]] = {}
-            by_key = {member.key: member for member in found.members}
+            by_key = {member.key: member for member in sweep.members}
 
             def heard(key: str, news: tuple[float, float, int]) -> None:
                 before, now = steps.get(key, (news[1], 0))[0], news[1]
@@ -352,13 +352,13 @@ class Search:
             def ended(key: str, state: Any) -> None:
                 good = state.stage == "done"
                 if good:
-                    self._compare(by_key[key], found.folder)
+                    self._compare(by_key[key], sweep.folder)
                 self._tell(done=self.now.done + good, failed=self.now.failed + (not good))
 
-            members, states = found.members, found.states
-            run_members(members, states, found.folder, pool, again=again, ended=ended, news=heard)
+            members, states = sweep.members, sweep.states
+            run_members(members, states, sweep.folder, pool, again=again, ended=ended, news=heard)
             self.retry = False
-        return self._observed(found)
+        return self._observed(sweep)
 
     def _tell(self, **changes: Any) -> None:
         now = replace(self.now, **changes)
@@ -385,18 +385,18 @@ class Search:
         kept = [point for number, point in enumerate(self.points.tolist()) if not self.refused[number]]
         return dict(zip(self.study.paths, kept[place], strict=True))
 
-    def _observed(self, found: Sweep) -> Observed:
+    def _observed(self, sweep: Sweep) -> PointResults:
         """Results of the runs of all points."""
         kept = [number for number in range(len(self.points)) if not self.refused[number]]
         shape = len(self.points), self.study.members
-        seen = Observed({one.name: np.full((*shape, len(one.measured)), np.nan) for one in self.study.targets})
+        seen = PointResults({one.name: np.full((*shape, len(one.measured)), np.nan) for one in self.study.targets})
         values = [dict(zip(self.study.paths, point, strict=True)) for point in self.points.tolist()]
         for number, message in self.refused.items():
             if message:
                 seen.failures.append({"point": number, "values": values[number], "seed": 0, "message": message})
-        for place, member in enumerate(found.members):
+        for place, member in enumerate(sweep.members):
             number, start = kept[member.point], place % self.study.members
-            folder, state, lacking = member.folder(found.folder), found.states[member.key], ""
+            folder, state, lacking = member.folder(sweep.folder), sweep.states[member.key], ""
             if state.stage == "done":
                 summary = read_summary(folder)
                 try:

@@ -31,7 +31,7 @@ KIND = "calibrate"
 MOST_VARIED = 5
 """Numbers that are varied: more would need hundreds of runs."""
 SPARE = 3
-"""Points that an emulator needs beside one for each varied number."""
+"""Points that an emulator needs in addition to one for each varied number."""
 OPTIONS = {name: f"--{name}" for name in ("vary", "budget", "members", "seed")} | {"targets": "--target"}
 """Options of the command line, by their fields."""
 
@@ -137,10 +137,10 @@ class Calibration:
         columns = {path: [point[k] for point in points] for k, path in enumerate(self.paths)}
         usual = [item.path for item in sweep_study.read_study(self.case).collect]
         parts = {item.name.split(".")[0].split("_")[0] for item in self.targets if item.axis}
-        asked = [f"{part}.{next(iter(numbers_of(QUANTITIES[part].result)))}" for part in sorted(parts & {*QUANTITIES})
+        firsts = [f"{part}.{next(iter(numbers_of(QUANTITIES[part].result)))}" for part in sorted(parts & {*QUANTITIES})
                  if QUANTITIES[part].named is None]  # fmt: skip
         keys = [item.name for item in self.targets if not item.axis]
-        collect = list(dict.fromkeys([*keys, *usual, *asked]))
+        collect = list(dict.fromkeys([*keys, *usual, *firsts]))
         study = {"axes": {sweep_study.ZIP: columns}, "members": self.members, "starts": "own", "collect": collect}
         return sweep_study.read_study(self.case, **study)
 

@@ -24,7 +24,7 @@ from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import Plain
 
 PROFILES, PROFILES_FILE = "profiles", "profiles.nc"
-"""Name of the means over x in profiles.nc, beside the names of the CSV tables."""
+"""Name of the means over x in profiles.nc, in addition to the names of the CSV tables."""
 FEWEST = 2
 """Measured points that must lie where the run has a curve."""
 MOST_MEASURED = 10_000_000
@@ -67,11 +67,11 @@ def curve_of(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.nda
 
 def _of_profiles(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.ndarray]:
     path, column = results.folder / PROFILES_FILE, name.split(".", 1)[1]
-    found = results.dataset()
-    known = [str(key) for key in found if found[key].dims == ("x",) and found[key].dtype.kind in "fiu"]
-    if column not in known or axis != "x" or "x" not in found.coords:
+    dataset = results.dataset()
+    known = [str(key) for key in dataset if dataset[key].dims == ("x",) and dataset[key].dtype.kind in "fiu"]
+    if column not in known or axis != "x" or "x" not in dataset.coords:
         raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {shortened(', '.join(known))}")
-    x, y = np.array(found["x"], float), np.array(found[column], float)
+    x, y = np.array(dataset["x"], float), np.array(dataset[column], float)
     if max(np.abs(np.nan_to_num(x)).max(), np.abs(np.nan_to_num(y)).max()) > LARGEST:
         raise DumpError(f"{path}: {column}: a number beyond {LARGEST:zg}; analyse the run again")
     return x, y
@@ -82,11 +82,13 @@ def _of_table(results: Results, name: str, axis: str, column: str) -> tuple[np.n
     if name not in tables:
         there = ", ".join([*tables, PROFILES])
         raise CaseError(f"{name}.{column}: {results.folder} has no table {shortened(name)}; there are {there}")
-    found = results.table(name)
+    columns = results.table(name)
     for one in (axis, column):
-        if one not in found.heads:
-            raise CaseError(f"{name}.csv has no column {shortened(one)}; there are {shortened(', '.join(found.heads))}")
-    return found.numbers(axis), found.numbers(column)
+        if one not in columns.heads:
+            raise CaseError(
+                f"{name}.csv has no column {shortened(one)}; there are {shortened(', '.join(columns.heads))}"
+            )
+    return columns.numbers(axis), columns.numbers(column)
 
 
 def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]:
@@ -100,17 +102,17 @@ def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]
     try:
         data = read_file(path, MOST_MEASURED)
     except OSError as error:
-        told = error.strerror or error
-        raise CaseError(f"{path} cannot be read: {told}; name a CSV file with a line of heads") from None
+        reason = error.strerror or error
+        raise CaseError(f"{path} cannot be read: {reason}; name a CSV file with a line of heads") from None
     table = table_of(data, str(path), comments=True, fewest=FEWEST, error=CaseError)
-    heads, found = table.heads, {}
+    heads, heads_read = table.heads, {}
     for name in columns.values():
         if heads.count(name) != 1:
             apart = "; put commas between the columns" if any(sign in heads[0] for sign in ";\t") else ""
             many = "no column" if name not in heads else "more than one column"
             raise CaseError(f"{path} has {many} {name}; there are {shortened(', '.join(heads))}{apart}")
-        found[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in table.rows])
-    return found
+        heads_read[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in table.rows])
+    return heads_read
 
 
 def finite(path: Path, line: int, name: str, cell: str) -> float:
@@ -185,7 +187,7 @@ class Target:
         x, y = curve_of(open_results(folder), self.axis, self.name)
         if len(x) < FEWEST:
             return np.full(len(self.at), np.nan)
-        flat = [self.axis in ALONG and abs(y[end] - y[beside]) <= LEVEL * np.ptp(y) for end, beside in ENDS]
+        flat = [self.axis in ALONG and abs(y[end] - y[next_to_end]) <= LEVEL * np.ptp(y) for end, next_to_end in ENDS]
         ends = [y[end] if level else np.nan for level, (end, _) in zip(flat, ENDS, strict=True)]
         return np.interp(self.at, x, y, *ends)
 
@@ -199,7 +201,7 @@ class Target:
 
     @property
     def as_field(self) -> dict[str, Any]:
-        """As it stands in a study file, without the file of the measurement."""
+        """As it is written in a study file, without the file of the measurement."""
         if not self.axis:
             return {"key": self.name, "value": float(self.measured[0]), "error": float(self.error[0])}
         lists = {"at": self.at, "values": self.measured} | ({"errors": self.error} if self.stated else {})
@@ -258,13 +260,13 @@ def parse_target(text: str) -> dict[str, Any]:
         Another text.
     """
     number = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
-    found = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text, re.ASCII)
-    if not found:
+    match = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text, re.ASCII)
+    if not match:
         raise CaseError(f"--target {shortened(text)}: expected a key, a value and its error, for example {EXAMPLE}")
-    error = float(found[3])
+    error = float(match[3])
     if not error > 0:
         raise CaseError(f"--target {shortened(text)}: the error is {error:zg}; allowed is > 0")
-    return {"key": found[1], "value": float(found[2]), "error": error}
+    return {"key": match[1], "value": float(match[2]), "error": error}
 
 
 def of_file(path: Path, columns: str) -> list[Target]:
@@ -282,7 +284,7 @@ def of_file(path: Path, columns: str) -> list[Target]:
     named = {name: text for name, text in said.items() if not _is_number(text)}
     (axis, own_axis), *wanted = pairs.items()
     given = measured_of(path, {**pairs, **{f"± {name}": text for name, text in named.items()}})
-    found = []
+    targets = []
     for name, own in wanted:
         text = said.get(name)
         if name in named:
@@ -295,8 +297,8 @@ def of_file(path: Path, columns: str) -> list[Target]:
         if text is None and len(error) < UNSTATED_FEWEST:
             raise CaseError(f"{path}: {name}: {_few(len(error), 'write it behind the column: h ± 0.01')}")
         order = np.argsort(given[own_axis], kind="stable")
-        found.append(Target(name, given[own][order], error[order], axis, given[own_axis][order]))
-    return found
+        targets.append(Target(name, given[own][order], error[order], axis, given[own_axis][order]))
+    return targets
 
 
 def _few(count: int, remedy: str) -> str:

@@ -104,8 +104,8 @@ class EarlierRun(Strict):
         """Discs of the earlier run, once it has been read."""
         return self._found
 
-    def read(self, found: EarlierDiscs) -> EarlierRun:
+    def read(self, earlier_discs: EarlierDiscs) -> EarlierRun:
         """The same field when the run has been read."""
         new = self.model_copy()
-        BaseModel.__setattr__(new, "_found", found)  # of this new field alone
+        BaseModel.__setattr__(new, "_found", earlier_discs)  # of this new field alone
         return new

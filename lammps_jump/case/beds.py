@@ -69,15 +69,15 @@ class RoughBed(Strict):
         """Centres of its discs, m, shape (n, 2); in a periodic channel with this seam each place once."""
         (x, y), (right, top) = self.begin, self.end
         step = self.spacing * self.diameter / self.length * np.arange(self.count)[:, None]
-        found = np.array([[x, y]]) + step * [right - x, top - y]
+        centres = np.array([[x, y]]) + step * [right - x, top - y]
         if seam is None:
-            return found
+            return centres
         low, period = seam[0], seam[1] - seam[0]
-        found[:, 0] = low + (found[:, 0] - low) % period
-        cells = np.round((found - [low, 0.0]) / (SAME_PLACE * self.diameter))
+        centres[:, 0] = low + (centres[:, 0] - low) % period
+        cells = np.round((centres - [low, 0.0]) / (SAME_PLACE * self.diameter))
         cells[:, 0] %= round(period / (SAME_PLACE * self.diameter))
         first = np.unique(cells, axis=0, return_index=True)[1]
-        return found[np.sort(first)]
+        return centres[np.sort(first)]
 
     @property
     def surface(self) -> Line:
@@ -142,7 +142,7 @@ SKIN = 0.3
 """Distance in mean diameters up to which pairs are listed beyond touching."""
 
 
-class Grown(NamedTuple):
+class GrownPacking(NamedTuple):
     """Centres from the corner of the rectangle, m, shape (n, 2), and the largest overlap over a diameter."""
 
     positions: np.ndarray
@@ -155,9 +155,9 @@ def bed_diameters(bed: PackedBed, diameter: float, sizes: Sizes | None, first: i
     if sizes is None:
         return np.full(round(wanted / diameter**2), diameter)
     most = int(2 * wanted / sizes.mean_square) + 10
-    found = sizes.diameters(np.arange(first, first + most))
-    below = np.concatenate([[0.0], np.cumsum(found**2)])
-    return found[: int(np.argmin(np.abs(below - wanted)))]
+    diameters = sizes.diameters(np.arange(first, first + most))
+    below = np.concatenate([[0.0], np.cumsum(diameters**2)])
+    return diameters[: int(np.argmin(np.abs(below - wanted)))]
 
 
 def bed_positions(bed: PackedBed, diameters: np.ndarray, seed: int) -> np.ndarray:
@@ -214,7 +214,7 @@ class SoftBed:
 
 
 @lru_cache(maxsize=8)  # of a case that changes most beds stay
-def _kept(bed: SoftBed) -> Grown:
+def _kept(bed: SoftBed) -> GrownPacking:
     """A bed of the cache; grown and put there where it is not, or damaged. Without a cache it is grown each time."""
     path = usual_folder() / KEPT / f"{bed.key}.npz"
     with suppress(OSError, ValueError, KeyError):
@@ -236,7 +236,7 @@ def _forget_old(folder: Path) -> None:
     delete(*(one for _, one in dated[: max(0, len(dated) - MOST_KEPT)]))
 
 
-def _checked(positions: np.ndarray, bed: SoftBed) -> Grown:
+def _checked(positions: np.ndarray, bed: SoftBed) -> GrownPacking:
     """A kept bed, if it is one of these discs: as many, within the rectangle, without overlaps.
 
     Raises
@@ -253,12 +253,12 @@ def _checked(positions: np.ndarray, bed: SoftBed) -> Grown:
     return _grown(positions, overlap)
 
 
-def _grown(positions: np.ndarray, overlap: float) -> Grown:
+def _grown(positions: np.ndarray, overlap: float) -> GrownPacking:
     positions.setflags(write=False)
-    return Grown(positions, overlap)
+    return GrownPacking(positions, overlap)
 
 
-class _Look(NamedTuple):
+class _SoftForces(NamedTuple):
     """Forces of soft discs, shape (n, 2), their energy, and the largest overlap over the smaller diameter."""
 
     forces: np.ndarray
@@ -289,7 +289,7 @@ class _Soft:
         kept = (gap * gap).sum(axis=1) < (self.radii[i] + self.radii[j] + SKIN) ** 2
         self.pairs, self.listed = np.stack([i[kept], j[kept]]), x.copy()
 
-    def look(self, x: np.ndarray) -> _Look:
+    def look(self, x: np.ndarray) -> _SoftForces:
         """Forces at these places, shape (n, 2)."""
         moved = x - self.listed
         if not (moved * moved).sum(axis=1).max() < (SKIN / 2) ** 2:
@@ -307,30 +307,30 @@ class _Soft:
             forces[:, axis] += np.bincount(i, push[:, axis], len(x)) - np.bincount(j, push[:, axis], len(x))
         smaller = 2.0 * np.minimum(self.radii[i], self.radii[j])
         worst = max((overlap / smaller).max(initial=0.0), (np.abs(out).max(axis=1) / (2 * self.radii)).max())
-        return _Look(forces, float((overlap**2).sum() + (out**2).sum()), float(worst))
+        return _SoftForces(forces, float((overlap**2).sum() + (out**2).sum()), float(worst))
 
 
-def relaxed(bed: SoftBed) -> Grown:
+def relaxed(bed: SoftBed) -> GrownPacking:
     """Discs of a bed, from anywhere in the rectangle until none overlaps, or until they are jammed."""
     soft = _Soft(bed)
     x, v = soft.start.copy(), np.zeros_like(soft.start)
     step, mixing, downhill, before = 0.1, 0.1, 0, np.inf
     for count in range(MOST_STEPS):
-        found = soft.look(x)
-        if found.overlap <= TOUCHING:
+        forces = soft.look(x)
+        if forces.overlap <= TOUCHING:
             break
         if count % LOOK == 0:
-            if found.energy > STUCK * before:
+            if forces.energy > STUCK * before:
                 break
-            before = found.energy
-        if (found.forces * v).sum() > 0:
-            along = sqrt((v * v).sum() / (found.forces * found.forces).sum())
-            v = (1.0 - mixing) * v + mixing * along * found.forces
+            before = forces.energy
+        if (forces.forces * v).sum() > 0:
+            along = sqrt((v * v).sum() / (forces.forces * forces.forces).sum())
+            v = (1.0 - mixing) * v + mixing * along * forces.forces
             downhill += 1
             if downhill > 5:
                 step, mixing = min(1.1 * step, 0.8), 0.99 * mixing
         else:
             v, step, mixing, downhill = np.zeros_like(v), 0.5 * step, 0.1, 0
-        v = v + step * found.forces
+        v = v + step * forces.forces
         x = x + step * v
-    return _grown(x * soft.unit, found.overlap)
+    return _grown(x * soft.unit, forces.overlap)

@@ -14,7 +14,7 @@ from lammps_jump import units
 from lammps_jump.errors import FieldError
 from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon, tipping_speed
 from lammps_jump.physics.contact import WallLaw, damping_ratio, extrapolated_stable_h, lagged_stable_h, largest_overlap
-from lammps_jump.scene import Beginning, Motion, MovingWall
+from lammps_jump.scene import InitialState, Motion, MovingWall
 from lammps_jump.scene.bodies import Free, corners_of, largest_radius, round_of
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, stiffness_between, yielding
 from lammps_jump.scene.shapes import open_ends
@@ -148,7 +148,7 @@ class Body(Strict):
             begin=self.begin,
         )
 
-    def moving(self, acceleration: tuple[float, float], begun: Beginning) -> MovingWall:
+    def moving(self, acceleration: tuple[float, float], begun: InitialState) -> MovingWall:
         """The body as a wall with its motion, among discs and their steps."""
         free = self.motion(acceleration, begun.smallest)
         return MovingWall(self.wall(), Motion(inf, free, free.point, 0.0, begun.settle_steps, begun.time_step))
@@ -203,15 +203,15 @@ BodyField = Annotated[BlockBody | PolygonBody | CircleBody, Field(discriminator=
 
 
 SAMPLES = 400
-"""Points of an outline that are looked at, at most, beside its corners."""
+"""Points of an outline that are looked at, at most, in addition to its corners."""
 AT_ONCE = 4
 """Contacts of two bodies that are taken to move as one: as many as two blocks have that meet face to face."""
 TOUCHES = 0.05
-"""Largest distance of what a body stands on, in diameters of the smallest disc."""
+"""Largest distance from a body to what supports it, in diameters of the smallest disc."""
 
 
 def check_bodies(
-    begun: Beginning, walls: Sequence[MovingWall], fields: Mapping[str, str],
+    begun: InitialState, walls: Sequence[MovingWall], fields: Mapping[str, str],
     laws: Mapping[str, WallLaw], integrator: str, *, unstable: bool, ground: float,
 ) -> list[str]:  # fmt: skip
     """Refuse bodies too light for the step, and such in walls or each other; sentences on what else is doubtful.
@@ -223,7 +223,7 @@ def check_bodies(
     walls : sequence of MovingWall
         All walls at the start, bodies and gates among them.
     fields : mapping of str to str
-        Where in the case each stands.
+        Where in the case each is given.
     laws : mapping of str to WallLaw
         Contacts that are not those of the scene.
     integrator : str
@@ -250,7 +250,7 @@ def check_bodies(
 
 
 def _later(one: MovingWall, other: MovingWall, walls: Sequence[MovingWall]) -> bool:
-    """Tells whether a wall stands behind another in a list: each two bodies are looked at once."""
+    """Tells whether a wall comes after another in a list: each two bodies are looked at once."""
     return walls.index(one) > walls.index(other)
 
 
@@ -283,7 +283,7 @@ def shaken(wall: Wall, free: Free, spacing: float) -> float:
     return free.mass * float(most) + 2.0  # two more at its ends
 
 
-def least_mass(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str) -> float:
+def least_mass(begun: InitialState, wall: Wall, free: Free, law: WallLaw, integrator: str) -> float:
     """Least mass of a body of this shape that discs all round it carry in a stable step, kg/m.
 
     Bound: omega^2 <= (k_wall + 3 k)/m + k_wall a/M, with a as `shaken` gives it. A spring between a disc and the body
@@ -303,7 +303,7 @@ def least_mass(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrato
     return inf if low == 0.0 else shaken(wall, free, begun.smallest) * mass / low
 
 
-def _check_step(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str, field: str) -> None:
+def _check_step(begun: InitialState, wall: Wall, free: Free, law: WallLaw, integrator: str, field: str) -> None:
     least = least_mass(begun, wall, free, law, integrator)
     if free.mass < least:
         raise FieldError(
@@ -315,7 +315,7 @@ def _check_step(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrat
         )
 
 
-def _check_free_of(begun: Beginning, one: MovingWall, others: Sequence[MovingWall], field: str) -> None:
+def _check_free_of(begun: InitialState, one: MovingWall, others: Sequence[MovingWall], field: str) -> None:
     """Refuse a body that lies in another wall or body at the start."""
     allowed = 0.5 * begun.overlap_limit
     body = one.first
@@ -336,7 +336,7 @@ def _check_free_of(begun: Beginning, one: MovingWall, others: Sequence[MovingWal
             )
 
 
-def _depth(wall: Wall, points: np.ndarray, begun: Beginning) -> float:
+def _depth(wall: Wall, points: np.ndarray, begun: InitialState) -> float:
     """Depth of the deepest of some points (m) in a wall, m; below 0 outside."""
     gap = wall.distance(*points.T)
     if open_ends(wall.faces):  # it pushes nothing that is far behind it
@@ -358,8 +358,8 @@ def _hinge(wall: Wall, free: Free) -> list[str]:
     ]
 
 
-def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> list[str]:
-    """A body that stands on something, with its centre of mass beside what it stands on."""
+def _support(begun: InitialState, one: MovingWall, walls: Sequence[MovingWall]) -> list[str]:
+    """A body that rests on something, with its centre of mass outside what carries it."""
     free = one.motion.free
     assert free is not None
     weight, place = np.array(free.weight), np.array(free.centre)
@@ -381,7 +381,9 @@ def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> 
     return [f"body '{one.wall.name}' stands with its centre of mass {off:z.3g} m beside its support: it tips at once"]
 
 
-def _check_corners(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall], integrator: str, field: str) -> None:
+def _check_corners(
+    begun: InitialState, one: MovingWall, walls: Sequence[MovingWall], integrator: str, field: str
+) -> None:
     """Refuse a body whose corners are too stiff for the step, where `AT_ONCE` of them touch."""
     free, c = one.motion.free, begun.coefficients
     assert free is not None
@@ -426,7 +428,7 @@ def foreseen_blow(one: MovingWall, ground: float) -> tuple[float, str]:
     )
 
 
-def _soft(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall], ground: float) -> list[str]:
+def _soft(begun: InitialState, one: MovingWall, walls: Sequence[MovingWall], ground: float) -> list[str]:
     """A body that is so heavy, or may fall or tip so fast, that its contacts with walls are too soft."""
     wall, free, c = one.first, one.motion.free, begun.coefficients
     assert free is not None

@@ -31,7 +31,7 @@ from .text import CaseSource, PathKey, nearest, override, parse_source, read_sou
 from .to_scene import build_scene
 
 NOT_TOLD = ("name", "analysis", "probes", "engine", "run.members", "run.checkpoint_interval", "run.dump_format")
-"""Fields whose change is not told behind a description: the flow is the same."""
+"""Fields whose change is not mentioned after a description: the flow is the same."""
 TOLD = "analysis.window"
 """Field of `analysis` that a description tells: all means are taken over it."""
 OF_THE_FLOW = ("gravity", "slope", "discs", "contact", "domain", "walls", "initial", "inflow", "outflow")
@@ -40,7 +40,7 @@ CHANGED = "changed: "
 
 
 def scene_folder() -> Path:
-    """Folder of the case files: inside the package in a wheel, beside it in a checkout."""
+    """Folder of the case files: inside the package in a wheel, next to it in a checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "inputs"
     return inside if inside.is_dir() else package.parent / "inputs"
@@ -66,12 +66,12 @@ def scene_text(name: str) -> str:
 
 
 def described(text: str, source: CaseSource) -> str:
-    """A description with the values behind it that ``--set`` or a study has changed; without them where it is too long.
+    """A description, then the values that ``--set`` or a study has changed; without them where it is too long.
 
     It names values that an earlier case had changed once: ``a channel; changed: run.seed = 1, contact.friction = 0.1``.
     """
-    before, sign, told = text.rpartition(CHANGED)
-    changes = dict(re.findall(r"([\w.-]+) = (.*?)(?=, [\w.-]+ = |$)", told)) if sign else {}
+    before, sign, changes_text = text.rpartition(CHANGED)
+    changes = dict(re.findall(r"([\w.-]+) = (.*?)(?=, [\w.-]+ = |$)", changes_text)) if sign else {}
     before = before.removesuffix("; ") if changes else text
     for path, assignment in source.overrides.items():
         if path == ("description",):
@@ -102,10 +102,10 @@ def of_another_case(source: CaseSource) -> str:
     for name in scene_names():
         if f"\ndescription: {line}\n" in (scene := scene_text(name)):
             try:
-                found, own = (CaseFields.model_validate(data) for data in (parse_source(scene).data, source.data))
+                case, own = (CaseFields.model_validate(data) for data in (parse_source(scene).data, source.data))
             except ValidationError:  # the check tells it, with its place
                 return ""
-            return name if any(getattr(found, key) != getattr(own, key) for key in OF_THE_FLOW) else ""
+            return name if any(getattr(case, key) != getattr(own, key) for key in OF_THE_FLOW) else ""
     return ""
 
 
@@ -127,7 +127,7 @@ class ReadCase(NearestNames):
     fields : CaseFields
         The values, every default filled in; frozen.
     source : CaseSource
-        Where each value stands, for messages.
+        Where each value is given, for messages.
     """
 
     in_words = "a case"
@@ -217,7 +217,7 @@ class ReadCase(NearestNames):
 
     @property
     def structures(self) -> tuple[str, ...]:
-        """Names in the force record: the walls asked for, those of groups, and the groups."""
+        """Names in the force record: the walls requested, those of groups, and the groups."""
         probes = self.fields.probes
         return tuple(dict.fromkeys((*probes.walls, *probes.groups)))
 
@@ -229,13 +229,13 @@ class ReadCase(NearestNames):
     @property
     def pressed(self) -> tuple[str, ...]:
         """Names of the walls and bodies whose pressure is recorded, and of their gauges."""
-        asked = (self.fields.probes.pressure or {}).items()
-        names = ((name, *(f"{name}_{k}" for k in range(1, len(one.points) + 1))) for name, one in asked)
+        requested = (self.fields.probes.pressure or {}).items()
+        names = ((name, *(f"{name}_{k}" for k in range(1, len(one.points) + 1))) for name, one in requested)
         return tuple(name for group in names for name in group)
 
     @property
     def overtopped(self) -> tuple[str, ...]:
-        """Names of the structures of which it can be told what goes over them: bodies and probed walls."""
+        """Names of the structures for which overtopping can be computed: bodies and probed walls."""
         return (*self.body_names, *self.fields.probes.walls)
 
     @property
@@ -266,15 +266,15 @@ class ReadCase(NearestNames):
     @cached_property
     def rest(self) -> dict[str, Any]:
         """Plain data of what changes no run: name, description and analysis."""
-        found = {key: value for key, value in self._data.items() if key in NOT_OF_THE_RUN}
+        rest_of_data = {key: value for key, value in self._data.items() if key in NOT_OF_THE_RUN}
         weights = {key: value for key, value in self._data["probes"].items() if key in WEIGHTS}
-        return found | ({"weights": weights} if weights else {})
+        return rest_of_data | ({"weights": weights} if weights else {})
 
     @cached_property
     def _data(self) -> dict[str, Any]:
         """Plain data without the empty optional fields, which would only be noise for a reader."""
-        found = _kind_first(self.fields.model_dump(mode="json", exclude_none=True))
-        return found if self.fields.bodies else {name: value for name, value in found.items() if name != "bodies"}
+        data = _kind_first(self.fields.model_dump(mode="json", exclude_none=True))
+        return data if self.fields.bodies else {name: value for name, value in data.items() if name != "bodies"}
 
     def replace(self, changes: Changes) -> Self:
         """The case with other values, validated as a file is.
@@ -329,8 +329,8 @@ class ReadCase(NearestNames):
             scene = build_scene(self.fields, self.source.begun)
         except FieldError as error:
             raise self.source.located(error) from None
-        told = self.source.doubts
-        return replace(scene, warnings=(*told, *scene.warnings)) if told else scene
+        doubts = self.source.doubts
+        return replace(scene, warnings=(*doubts, *scene.warnings)) if doubts else scene
 
     def check(self) -> Derived:
         """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.
@@ -370,7 +370,7 @@ def _json_text(value: object) -> str:
 
 
 def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseFields:
-    """The fields of a case after its changes, which also stand in `source` then.
+    """The fields of a case after its changes, which are then also in `source`.
 
     Raises
     ------

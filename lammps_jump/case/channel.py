@@ -21,7 +21,7 @@ from lammps_jump.physics.inlet import (
     seeded_speeds,
     thesis_rows,
 )
-from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Outlet, Plane
+from lammps_jump.scene import InitialState, InletRow, Interval, MovingWall, Outlet, Plane
 from lammps_jump.scene.motion import at_seam, largest_speed, way
 
 from . import checks, live, walls
@@ -37,7 +37,7 @@ Rectangle = tuple[Interval, Interval]
 
 
 def implied_speed(
-    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], moving: list[MovingWall], impact: float
+    case: CaseFields, begun: InitialState, inlets: tuple[InletRow, ...], moving: list[MovingWall], impact: float
 ) -> float:
     """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall, of walls.
 
@@ -52,7 +52,7 @@ def implied_speed(
 
 
 def domain_of(
-    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], moving: list[MovingWall], speed: float
+    case: CaseFields, begun: InitialState, inlets: tuple[InletRow, ...], moving: list[MovingWall], speed: float
 ) -> Rectangle:
     """The given domain, or one around all that the case names, and the ways of walls."""
     if case.domain is not None:
@@ -68,7 +68,7 @@ def domain_of(
 
 
 def _ends(
-    case: CaseFields, axis: str, begun: Beginning, inlets: tuple[InletRow, ...], ways: list[Rectangle]
+    case: CaseFields, axis: str, begun: InitialState, inlets: tuple[InletRow, ...], ways: list[Rectangle]
 ) -> list[float]:
     """Coordinates that a domain must hold, m."""
     index = "xy".index(axis)
@@ -80,8 +80,8 @@ def _ends(
     return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def outlets_of(case: CaseFields, begun: Beginning, domain: Rectangle, speed: float) -> tuple[Outlet, ...]:
-    """The lines behind which discs are taken out, each looked at before a disc can jump to the edge of the domain.
+def outlets_of(case: CaseFields, begun: InitialState, domain: Rectangle, speed: float) -> tuple[Outlet, ...]:
+    """The lines beyond which discs are removed, each looked at before a disc can jump to the edge of the domain.
 
     Raises
     ------
@@ -115,7 +115,7 @@ SAME = 1e-9
 
 
 def check_fields(case: CaseFields) -> None:
-    """Refuse what stands in the case and has no meaning where x is periodic."""
+    """Refuses what is given in the case and has no meaning where x is periodic."""
     if case.domain is None or case.domain.periodic is None:
         return
     refused = {
@@ -142,7 +142,7 @@ def check_fields(case: CaseFields) -> None:
 
 
 def check_walls(
-    begun: Beginning, walls: Sequence[MovingWall], fields: dict[str, str],
+    begun: InitialState, walls: Sequence[MovingWall], fields: dict[str, str],
     domain: tuple[Interval, Interval],
 ) -> None:  # fmt: skip
     """Refuse a channel that is too short, and walls that are not the same on both sides of the seam."""
@@ -203,7 +203,7 @@ class Inlet(NamedTuple):
     hydrograph: Hydrograph | None = None
 
 
-def inlet_of(inflow: RowsInflow, begun: Beginning, seed: int) -> Inlet:
+def inlet_of(inflow: RowsInflow, begun: InitialState, seed: int) -> Inlet:
     """The inlet of an inflow by rows.
 
     Raises
@@ -226,7 +226,7 @@ def inlet_of(inflow: RowsInflow, begun: Beginning, seed: int) -> Inlet:
     )
 
 
-def _require_rows(inflow: RowsInflow, begun: Beginning) -> None:
+def _require_rows(inflow: RowsInflow, begun: InitialState) -> None:
     """FieldError where the largest depth holds no row, or too many."""
     d, depth = begun.diameter, max(inflow.hydrograph.depths)
     field = "depth" if inflow.table is None else "table"
@@ -244,13 +244,13 @@ def _require_rows(inflow: RowsInflow, begun: Beginning) -> None:
         )
 
 
-def _count(inflow: RowsInflow, begun: Beginning) -> int:
+def _count(inflow: RowsInflow, begun: InitialState) -> int:
     """Rows of the largest depth."""
     graph = inflow.hydrograph
     return row_count(max(graph.depths), begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
 
 
-def _plan(inflow: RowsInflow, begun: Beginning) -> RowPlan:
+def _plan(inflow: RowsInflow, begun: InitialState) -> RowPlan:
     """Heights, speeds and steps of rows that do not change with time; FieldError where they are too slow."""
     graph, dt = inflow.hydrograph, begun.time_step
     depth, speed = graph.depths[0], graph.speeds[0]
@@ -286,7 +286,7 @@ def inlet_back(inflow: object, largest: float) -> tuple[Plane, ...]:
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
-def _rows_against_time(inflow: RowsInflow, begun: Beginning, seed: int) -> tuple[InletRow, ...]:
+def _rows_against_time(inflow: RowsInflow, begun: InitialState, seed: int) -> tuple[InletRow, ...]:
     """Rows with the step and the speed of each disc; those that let none in during the run are left out."""
     graph, dt, settle = inflow.hydrograph, begun.time_step, begun.settle_steps
     duration = (begun.steps - settle) * dt
@@ -305,7 +305,7 @@ def _rows_against_time(inflow: RowsInflow, begun: Beginning, seed: int) -> tuple
         profile=inflow.profile,
         least_gap=inflow.spacing,
     )
-    found = []
+    inlet_rows = []
     for i, (one, factor) in enumerate(zip(entries, seed_factors(len(entries), seed), strict=True)):
         steps = settle + np.maximum(1, np.ceil(one.times / dt - 1e-9).astype(np.int64))
         steps, kept = np.unique(np.minimum(steps, begun.steps), return_index=True)
@@ -314,10 +314,10 @@ def _rows_against_time(inflow: RowsInflow, begun: Beginning, seed: int) -> tuple
         speeds = graph.speed((steps - settle) * dt) * one.relative[kept] * factor
         every = max(1, ceil((begun.steps - settle) / len(steps)))
         height = inflow.y + (i + 0.5) * begun.largest
-        found.append(
+        inlet_rows.append(
             InletRow(
                 inflow.x, height, float(speeds.max()), 0.0, int(steps[0]), every, CLEARANCE * begun.largest,
                 turns=tuple(steps.tolist()), speeds=tuple(speeds.tolist()),
             )
         )  # fmt: skip
-    return tuple(found)
+    return tuple(inlet_rows)

@@ -15,7 +15,7 @@ from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP, TRAVEL
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
-from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Scene, Sizes, Wall
+from lammps_jump.scene import InitialState, InletRow, Interval, MovingWall, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window, windows_of
 from lammps_jump.scene.shapes import open_ends
 
@@ -217,7 +217,7 @@ def check_engine(case: CaseFields) -> None:
 
 
 def _against_inflow(case: CaseFields) -> list[str]:
-    """Notes on columns at the inlet whose depth or velocity is not that of the rows that flow in behind them."""
+    """Notes on columns at the inlet whose depth or velocity is not that of the rows that flow in after them."""
     rows, notes = case.inflow, []
     if not isinstance(rows, RowsInflow):
         return []
@@ -315,13 +315,16 @@ def _loose_beds(case: CaseFields) -> list[str]:
     ]
 
 
-def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) -> tuple[str, ...]:
-    """Sentences on asked values that whole steps have changed."""
+def adapted(case: CaseFields, scene: InitialState, inlets: tuple[InletRow, ...]) -> tuple[str, ...]:
+    """Sentences on requested values that whole steps have changed."""
     dt, settle = scene.time_step, case.settling[0]
-    asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
+    requested = {
+        "run.duration": (case.run.duration, scene.time(scene.steps)),
+        "settle": (settle, scene.settle_steps * dt),
+    }
     if case.run.output_interval is not None:
-        asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
-    notes = rounding_notes(asked)
+        requested["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
+    notes = rounding_notes(requested)
     if case.probes.recorded and case.probes.interval <= case.run.duration:
         notes += told_of_window(case.probes.interval, scene.probe_steps * dt, case.output_interval)
     mean, window = case.probes.stability_mean, scene.probe_steps * dt
@@ -358,25 +361,25 @@ def check_stability(
         )
     given = case.contact
     smallest = sizes.smallest / case.discs.diameter if sizes else 1.0
-    found = slip_warnings(coefficients, given.friction_law, given.rotation, smallest)
-    found += spring_warnings(coefficients, given.springs, given.rotation)
+    warnings = slip_warnings(coefficients, given.friction_law, given.rotation, smallest)
+    warnings += spring_warnings(coefficients, given.springs, given.rotation)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
-        found.append(
+        warnings.append(
             f"time_step_fraction {fraction:zg} is stable, but at restitution {coefficients.restitution:zg} the kink at "
             "first touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
         )
     if fraction > 0.8 * limit:
-        found.insert(
+        warnings.insert(
             0,
             f"time_step_fraction {fraction:zg} is close to the limit of stability {limit:z.3f} (hexagonal packing, "
             f"{integrator}); energies near it are not to be trusted",
         )
-    return found
+    return warnings
 
 
 def check_places(
     case: CaseFields,
-    scene: Beginning,
+    scene: InitialState,
     inlets: tuple[InletRow, ...],
     walls: Iterable[MovingWall],
     fields: Mapping[str, str],
@@ -384,7 +387,7 @@ def check_places(
 ) -> None:
     """Refuse discs and inlets in a wall at the start, and discs that overlap by more than d/n.
 
-    `fields`: where in the case each wall stands, by name; gates and others stand in none. `seam`: where a periodic
+    `fields`: where in the case each wall is given, by name; not for gates and others. `seam`: where a periodic
     channel begins and ends, m.
     """
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
@@ -392,11 +395,11 @@ def check_places(
     count = len(positions)
     images = np.flatnonzero(positions[:, 0] < seam[0] + scene.largest) if seam else np.empty(0, int)
     shift = [seam[1] - seam[0], 0.0] if seam else [0.0, 0.0]
-    found = deepest_overlap(
+    overlap_found = deepest_overlap(
         np.concatenate([positions, positions[images] + shift]), np.concatenate([diameters, diameters[images]])
     )
-    if found is not None and found[0] > allowed * (1 + 1e-9):
-        overlap, *both = found
+    if overlap_found is not None and overlap_found[0] > allowed * (1 + 1e-9):
+        overlap, *both = overlap_found
         i, j = sorted(int(one if one < count else images[one - count]) for one in both)
         field = "initial" if scene.fixed is None or not scene.fixed.holds([i + 1, j + 1]).all() else "walls"
         raise FieldError(
@@ -417,8 +420,8 @@ def check_places(
 
 def gauges(case: CaseFields, room: Interval) -> tuple[float, ...]:
     """Places of the gauges along x (m), in the room of the domain and each once."""
-    (low, high), asked = room, case.probes.gauges
-    for index, place in enumerate(asked):
+    (low, high), gauges_given = room, case.probes.gauges
+    for index, place in enumerate(gauges_given):
         if not low < place < high:
             where = "at the end of" if place in (low, high) else "outside"
             raise FieldError(
@@ -426,9 +429,9 @@ def gauges(case: CaseFields, room: Interval) -> tuple[float, ...]:
                 f"{place:zg} m is {where} the domain; allowed is above {low:zg} m and below "
                 f"{high:zg} m: move the gauge or widen the domain",
             )
-        if place in asked[:index]:
+        if place in gauges_given[:index]:
             raise FieldError(f"probes.gauges.{index}", f"{place:zg} m is there already: name each place once")
-    return asked
+    return gauges_given
 
 
 def check_in_domain(
@@ -485,10 +488,10 @@ def check_bodies_in_domain(
 
 def _less_jitter(case: CaseFields) -> str:
     """The remedy where discs are shifted at random; empty where none are."""
-    asked = [(f"initial[{k}].jitter", item.jitter) for k, item in enumerate(case.initial) if item.jitter]
-    if not asked:
+    jitters = [(f"initial[{k}].jitter", item.jitter) for k, item in enumerate(case.initial) if item.jitter]
+    if not jitters:
         return ""
-    field, jitter = asked[0]
+    field, jitter = jitters[0]
     return (
         f"lower {field}, which shifts each disc by up to {jitter * case.discs.diameter:z.3g} m ({jitter:zg} diameters) "
         "along x and y, or "
@@ -515,7 +518,7 @@ def _check_discs_free_of(
 
 
 def depths(wall: Wall, positions: np.ndarray, diameters: np.ndarray) -> np.ndarray:
-    """Depth of discs in a wall, m, shape (n,): below 0 beside it, minus infinity where it does not push them."""
+    """Depth of discs in a wall, m, shape (n,): below 0 outside it, minus infinity where it does not push them."""
     gap = wall.distance(positions[:, 0], positions[:, 1])
     if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
         gap = np.where(gap < -diameters / 2, np.inf, gap)

@@ -169,7 +169,7 @@ class Contact(Strict):
         return self.stiffness
 
     def law_fields(self, *, rubs: bool, width: float, weight: float) -> dict[str, Any]:
-        """All fields of `Scene` that tell the law, beside its coefficients, walls and sizes; nothing else fills them.
+        """All fields of `Scene` that define the law, except its coefficients, walls and sizes; nothing else fills them.
 
         Parameters
         ----------
@@ -213,6 +213,6 @@ class Contact(Strict):
         if not FRICTION_LAWS[self.friction_law].remembers:
             return None
         known = {name: getattr(self, name) for name in ("tangential_ratio", "tangential_damping_ratio")}
-        asked = self.rolling
-        roll = None if asked is None else Rolling(asked.friction, asked.stiffness_ratio, asked.damping)
+        given = self.rolling
+        roll = None if given is None else Rolling(given.friction, given.stiffness_ratio, given.damping)
         return Springs(**{name: value for name, value in known.items() if value is not None}, rolling=roll)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Derived numbers of a case, all that ``lammps-jump check`` shows; its hydraulics, and what the run will leave out.
 
-Numbers of the inflow hold at the inlet. Down a spillway or over steps the jump stands at the foot, in another stream:
+Numbers of the inflow hold at the inlet. Down a spillway or over steps the jump is at the foot, in another stream:
 that there is by energy without loss, with the jump it would make. Of a tailgate: what it measures, how fast it answers.
 """
 
@@ -22,7 +22,7 @@ from lammps_jump.physics.contact import WallLaw
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_gains, wave_travel
 from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.physics.slip import springs_stable_fraction
-from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Scene, Wall
+from lammps_jump.scene import InitialState, InletRow, Interval, MovingWall, Scene, Wall
 from lammps_jump.scene.tracks import Held
 from lammps_jump.scene.walls import bed_height
 from lammps_jump.units import number, numbers_of
@@ -47,8 +47,8 @@ def flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     depth, speed = inflow.over(*studied(case))
     if not depth:
         return []
-    found = jump.inflow_theory(depth, speed, case.gravity)
-    number, y1 = found.froude, found.depth
+    inflow_row = jump.inflow_theory(depth, speed, case.gravity)
+    number, y1 = inflow_row.froude, inflow_row.depth
     low, high = jump.velocity_range(y1, case.gravity)
     carried = sum(scene.discharges)
     below = foot_of(scene, depth, speed, case.gravity)
@@ -58,7 +58,7 @@ def flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
         (
             "jump_class",
             f"class of jump{there}",
-            found.jump_class if number > 1 else "none: the inflow is subcritical",
+            inflow_row.jump_class if number > 1 else "none: the inflow is subcritical",
             "",
         ),
         ("discharge", f"discharge asked for, {'mean of the window' if inflow.table else 'Va y1'}", speed * y1, "m^2/s"),
@@ -73,19 +73,19 @@ def flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
         ("thesis_speed_high", "mean speed Va of a steady jump, Fr1 = 9", high, "m/s"),
     ]
     if number > 1:
-        rows += _jump_rows(found, there)
+        rows += _jump_rows(inflow_row, there)
     return [*rows, *_foot_rows(below)]
 
 
-def _jump_rows(found: jump.Inflow, where: str, key: str = "") -> list[Row]:
-    """The jump that a stream would make; `where` stands behind the labels, `key` before the keys."""
-    number, y1 = found.froude, found.depth
+def _jump_rows(inflow: jump.Inflow, where: str, key: str = "") -> list[Row]:
+    """The jump that a stream would make; `where` follows the labels, `key` precedes the keys."""
+    number, y1 = inflow.froude, inflow.depth
     rows: list[Row] = [
-        ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
+        ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", inflow.belanger_y2, "m"),
         ("downstream_froude", "downstream Froude number", jump.downstream_froude(number), ""),
-        ("energy_loss", "energy loss", found.energy_loss, "m"),
-        ("jump_length", "jump length (4.27)", found.length, "m"),
-        ("sill", "sill that holds the jump, E2 - 1.5 yc", found.sill, "m"),
+        ("energy_loss", "energy loss", inflow.energy_loss, "m"),
+        ("jump_length", "jump length (4.27)", inflow.length, "m"),
+        ("sill", "sill that holds the jump, E2 - 1.5 yc", inflow.sill, "m"),
         ("channel_length", "channel length 1.5 Lj", jump.channel_length(number, y1), "m"),
     ]
     return [(f"{key}{name}", f"{label}{where}", value, unit) for name, label, value, unit in rows]
@@ -136,7 +136,7 @@ class Foot:
 
 
 def foot_of(scene: Scene, depth: float, speed: float, gravity: float) -> Foot | None:
-    """The foot behind the rows of a scene that carry a depth (m) and a speed (m/s); None on a level or tilted bed.
+    """The foot downstream of rows of a scene with a depth (m) and a speed (m/s); None on a level or tilted bed.
 
     The depth there is that of the fast stream with the energy at the inlet and the fall: the least that friction and
     impacts would leave. Where the bed rises the stream stays None.
@@ -169,7 +169,7 @@ STRETCH = 10
 
 
 def with_holdings(
-    case: CaseFields, begun: Beginning, walls: list[MovingWall], fields: dict[str, str],
+    case: CaseFields, begun: InitialState, walls: list[MovingWall], fields: dict[str, str],
     domain: tuple[Interval, Interval], inlets: tuple[InletRow, ...],
 ) -> list[MovingWall]:  # fmt: skip
     """The walls, with what tailgates among them measure.
@@ -177,21 +177,21 @@ def with_holdings(
     Raises
     ------
     FieldError
-        A depth or a front where the gate cannot hold it: beyond the domain, behind the gate, without inflow.
+        A depth or a front where the gate cannot hold it: outside the domain, behind the gate, without inflow.
     """
-    found = []
+    moving_walls = []
     for one in walls:
         if isinstance(kind := one.motion.kind, Held):
             field = f"{fields[one.wall.name]}.motion"
             left = max([domain[0][0], *(row.x for row in inlets)])
             holding = _holding(case, begun, one, kind, field, (left, domain[0]))
             one = MovingWall(one.wall, replace(one.motion, holding=holding))
-        found.append(one)
-    return found
+        moving_walls.append(one)
+    return moving_walls
 
 
 def _holding(
-    case: CaseFields, begun: Beginning, one: MovingWall, kind: Held, field: str,
+    case: CaseFields, begun: InitialState, one: MovingWall, kind: Held, field: str,
     channel: tuple[float, Interval],
 ) -> Holding:  # fmt: skip
     """Quantity that a gate measures, and its gains."""
@@ -295,8 +295,8 @@ class Derived:
     @property
     def walls(self) -> dict[str, str]:
         """Motion and contact numbers of walls that have their own, in words, by name."""
-        found = {one.wall.name: words_of_wall(one, self.scene) for one in self.scene.walls}
-        return {name: text for name, text in found.items() if text}
+        walls_in_words = {one.wall.name: words_of_wall(one, self.scene) for one in self.scene.walls}
+        return {name: text for name, text in walls_in_words.items() if text}
 
     @property
     def begins(self) -> tuple[str, ...]:
@@ -423,7 +423,7 @@ def _size_rows(scene: Scene) -> list[Row]:
 
 
 def _bed_rows(case: CaseFields, scene: Scene) -> list[Row]:
-    """Packing of each bed as it was asked for, and as the discs with centres in its rectangle make it."""
+    """Packing of each bed as requested, and as the discs with centres in its rectangle make it."""
     rows: list[Row] = []
     diameters = scene.diameters(np.arange(1, len(scene.positions) + 1))
     for index, bed in enumerate(case.initial):
@@ -431,10 +431,10 @@ def _bed_rows(case: CaseFields, scene: Scene) -> list[Row]:
             (left, right), (low, high) = bed.x, bed.y
             x, y = scene.positions.T
             inside = (x > left) & (x < right) & (y > low) & (y < high)
-            found = float(pi / 4 * np.sum(diameters[inside] ** 2) / bed.area)
+            packing = float(pi / 4 * np.sum(diameters[inside] ** 2) / bed.area)
             rows += [
                 (f"packing_{index}_asked", f"packing of initial[{index}], asked", bed.packing, ""),
-                (f"packing_{index}", f"packing of initial[{index}], of the discs in it", found, ""),
+                (f"packing_{index}", f"packing of initial[{index}], of the discs in it", packing, ""),
             ]
     return rows
 
@@ -549,7 +549,7 @@ def _time_rows(scene: Scene) -> list[Row]:
 
 
 def skipped(
-    case: CaseFields, walls: tuple[Wall, ...], kept: Collection[Wall], begun: Beginning, laws: Collection[WallLaw]
+    case: CaseFields, walls: tuple[Wall, ...], kept: Collection[Wall], begun: InitialState, laws: Collection[WallLaw]
 ) -> tuple[str, ...]:
     """Sentences: what the engines leave out because the scene does not need it, such as walls that are not `kept`.
 

@@ -54,7 +54,7 @@ class GradingCurve(Strict):
 
     @property
     def pieces(self) -> Pieces:
-        """The curve by number, with the mass (or number) of each piece as asked."""
+        """The curve by number, with the mass (or number) of each piece as requested."""
         sizes, below = self.ends()
         shares, low, high = np.diff(below), sizes[:-1], sizes[1:]
         low, high, shares = low[shares > 0], high[shares > 0], shares[shares > 0]
@@ -66,7 +66,7 @@ class GradingCurve(Strict):
         return float(f"{self.size_at(0.5):z.{DIGITS}g}")
 
     def size_at(self, part: float) -> float:
-        """Size that this part is not larger than, as the curve was asked for: by mass or by number, m."""
+        """Size that this part is not larger than, as the curve was given: by mass or by number, m."""
         sizes, below = self.ends()
         return float(np.interp(part, below, sizes))
 
@@ -269,7 +269,7 @@ class Discs(Strict):
         if isinstance(given, dict) and (kind := CURVES.get(str(given.get("kind")))):
             try:
                 given = kind.model_validate(given)
-            except ValidationError:  # told of the sizes themselves
+            except ValidationError:  # reported for the sizes themselves
                 return {**data, "diameter": 1.0}
         return {**data, "diameter": given.nominal} if isinstance(given, GradingCurve) else data
 

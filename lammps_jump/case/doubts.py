@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.physics import jump
-from lammps_jump.scene import Beginning, InletRow, MovingWall, Outlet, Scene, Wall
+from lammps_jump.scene import InitialState, InletRow, MovingWall, Outlet, Scene, Wall
 from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.scene.tracks import Held, Oscillate, each
@@ -57,9 +57,9 @@ def facts(case: CaseFields, walls: Sequence[MovingWall]) -> dict[str, tuple[bool
 def in_vain(case: CaseFields, walls: Sequence[MovingWall]) -> list[str]:
     """Sentences on analyses for which the scene has nothing."""
     lacking = {name: said for name, (there, said) in facts(case, walls).items() if not there}
-    asked = [(name, one.needs) for name, one in LISTED.items() if getattr(case.analysis, name, False)]
+    requested = [(name, one.needs) for name, one in LISTED.items() if getattr(case.analysis, name, False)]
     whys = ((name, next((lacking[one] + follows for one, follows in needs.items() if one in lacking), ""))
-            for name, needs in asked)  # fmt: skip
+            for name, needs in requested)  # fmt: skip
     return [f"analysis.{name}: {why}; drop it" for name, why in whys if why]
 
 
@@ -168,19 +168,19 @@ SAME = 1e-3
 
 
 def behind_the_end(case: CaseFields) -> list[str]:
-    """Sentences on what is to begin behind the end of the run, and on intervals that are longer than the run."""
+    """Sentences on what is to begin after the end of the run, and on intervals that are longer than the run."""
     end = case.run.duration
     held = [(f"bodies[{index}].from", f"body '{one.name}' is held", one.begin) for index, one in enumerate(case.bodies)]
     for index, wall in enumerate(case.walls):
         if not isinstance(wall, RoughBed) and wall.motion is not None:
             held.append((f"walls[{index}].motion.from", f"wall '{wall.name}' stands", wall.motion.begin))
-    found = [
+    sentences = [
         f"{field}: {what} until {begin:zg} s, and the run ends at {end:zg} s: it never moves; let it go earlier, or "
         "run longer"
         for field, what, begin in held
         if begin >= end
     ]
-    return found + _no_inflow(case) + _long_intervals(case)
+    return sentences + _no_inflow(case) + _long_intervals(case)
 
 
 def _no_inflow(case: CaseFields) -> list[str]:
@@ -195,22 +195,22 @@ def _no_inflow(case: CaseFields) -> list[str]:
 
 def _long_intervals(case: CaseFields) -> list[str]:
     """Sentences on intervals of frames and of forces that are longer than the run."""
-    end, found = case.run.duration, []
-    asked = case.run.output_interval
-    if asked is not None and asked > end * (1 + SAME):
-        found.append(
-            f"run.output_interval: {asked:zg} s is longer than the run of {end:zg} s, which has a frame at its start "
+    end, sentences = case.run.duration, []
+    every = case.run.output_interval
+    if every is not None and every > end * (1 + SAME):
+        sentences.append(
+            f"run.output_interval: {every:zg} s is longer than the run of {end:zg} s, which has a frame at its start "
             "and one at its end; take a part of it"
         )
     interval, probes = case.probes.interval, case.probes
     used = probes.recorded or case.bodies or interval != Probes().interval
     if used and interval > end * (1 + SAME):
         most = min(case.output_interval, end)
-        found.append(
+        sentences.append(
             f"probes.interval: {interval:zg} s is longer than the run of {end:zg} s; forces are means over the time "
             f"between frames then, {most:z.3g} s: take a part of it, for example {0.1 * most:z.2g} s"
         )
-    return found
+    return sentences
 
 
 DROWNED = 1.25
@@ -240,7 +240,7 @@ def held_deep(scene: Scene) -> list[str]:
 
 
 def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
-    """Sentences on what will probably not come out as asked: window and stiffness.
+    """Sentences on what will probably not come out as requested: window and stiffness.
 
     Parameters
     ----------
@@ -249,27 +249,27 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
         v0 of (3.20), m/s.
     inlets : tuple of InletRow
     """
-    found, window, duration = [], case.analysis.window, case.run.duration
+    sentences, window, duration = [], case.analysis.window, case.run.duration
     if empty := empty_window(case):
-        found += empty
+        sentences += empty
     elif window and window[1] > duration * (1 + 1e-3):
-        found.append(
+        sentences.append(
             f"analysis.window ends at {window[1]:zg} s, the run at {duration:zg} s; take a window within the run, or "
             "none for its last quarter"
         )
     elif window and window[1] < 0.5 * duration:
-        found.append(
+        sentences.append(
             f"analysis.window ends at {window[1]:zg} s and misses the last half of the {duration:zg} s; take a later "
             "one, or none for the last quarter"
         )
     fastest = max((row.vx for row in inlets), default=0.0)
     if case.contact.own_stiffness is None and fastest > FASTEST * impact_speed:
-        found.append(
+        sentences.append(
             f"the fastest row has {fastest:z.3g} m/s, contact.impact_speed is {impact_speed:z.3g} m/s: discs press "
             f"{fastest / impact_speed:z.2g} times deeper into each other than largest_overlap says; take "
             f"impact_speed: {fastest:z.3g}"
         )
-    return found
+    return sentences
 
 
 class JumpPlace(NamedTuple):
@@ -324,33 +324,33 @@ def _room(case: CaseFields, place: JumpPlace, sills: list[tuple[float, float]]) 
 
     A basin that is full at the start has its jump at once: baffles and a low sill may hold it.
     """
-    stream, found = place.stream, []
+    stream, sentences = place.stream, []
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None and item.x_beyond > place.x]
     end, sill = max(sills, key=itemgetter(1)) if sills else min(outlets, default=(inf, 0.0))  # baffles are lower
     filled = place.words != "inlet" and any(_lies_behind(item, place) for item in case.initial)
     room = UPSTREAM * stream.depth + DOWNSTREAM * stream.belanger_y2
     if end - place.x < room:
         water = jump.channel_length(stream.froude, stream.depth)
-        found.append(
+        sentences.append(
             f"the channel is {end - place.x:z.3g} m long from the {place.words} to the sill or outlet; stream, "
             f"jump and tail water need {room:z.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {water:z.3g} m)"
         )
     if sills and not filled and sill < LOWEST_SILL * stream.sill:
-        found.append(
+        sentences.append(
             f"the jet will run over the sill of {sill:z.3g} m without a jump: a broad crest that holds it has "
             f"{stream.sill:z.3g} m, and discs need {LOWEST_SILL * stream.sill:z.3g} m or more"
         )
-    return found
+    return sentences
 
 
 def _drowned(case: CaseFields, place: JumpPlace, sills: list[float]) -> list[str]:
     """A sentence on a basin whose water is deeper than its stream holds: 1.25 times the sequent depth.
 
-    The water is that at the start behind the foot, or what the sills (heights, m) dam: the slow depth with the energy
+    The water is that at the start beyond the foot, or what the sills (heights, m) dam: the slow depth with the energy
     of the sill and of a critical depth upon it.
     """
     stream, at, near = place.stream, place.x, 0.5 * place.stream.length
-    told = (
+    sentence = (
         f"the stream at the {place.words} has {stream.velocity:z.3g} m/s and {stream.depth:z.3g} m and holds "
         f"{stream.belanger_y2:z.3g} m"
     )
@@ -360,11 +360,11 @@ def _drowned(case: CaseFields, place: JumpPlace, sills: list[float]) -> list[str
         default=0.0,
     )
     if place.words != "inlet" and filled > most:
-        return [f"the basin is drowned at the start: {told}, the water is {filled:z.3g} m deep; start with less"]
+        return [f"the basin is drowned at the start: {sentence}, the water is {filled:z.3g} m deep; start with less"]
     crest = max(sills, default=0.0) + 1.5 * jump.critical_depth(stream.velocity * stream.depth, case.gravity)
     if sills and crest > jump.specific_energy(most, stream.velocity * stream.depth / most, case.gravity):
         return [
-            f"the sill of {max(sills):z.3g} m will drown the jump: {told}, the sill dams more than {most:z.3g} "
+            f"the sill of {max(sills):z.3g} m will drown the jump: {sentence}, the sill dams more than {most:z.3g} "
             f"m; a sill of {stream.sill:z.3g} m holds it"
         ]
     return []
@@ -401,7 +401,7 @@ class Barrier(NamedTuple):
 
 
 def never_met(
-    case: CaseFields, begun: Beginning, inlets: Sequence[InletRow], walls: Sequence[MovingWall],
+    case: CaseFields, begun: InitialState, inlets: Sequence[InletRow], walls: Sequence[MovingWall],
     outlets: Sequence[Outlet],
 ) -> list[str]:  # fmt: skip
     """Sentences on outlets in the flow, and on ground that ends before a wall that stands in its way.
@@ -416,28 +416,28 @@ def never_met(
     outlets : sequence of Outlet
     """
     loose = begun.positions if begun.fixed is None else begun.positions[: begun.fixed.first - 1]
-    found = _in_the_flow(case, loose, inlets, outlets)
+    sentences = _in_the_flow(case, loose, inlets, outlets)
     xs = [*loose[:, 0], *(row.x for row in inlets)]
     if not case.gravity or not xs or case.seam:
-        return found
-    told: dict[object, str] = {}  # an outlet or a gap before several walls is told once
+        return sentences
+    by_reason: dict[object, str] = {}  # an outlet or a gap before several walls is told once
     for barrier in _barriers(walls, begun, (float(min(xs)), float(max(xs)))):
         place = f"wall '{barrier.wall.name}' at x = {barrier.face:zg} m"
         drained = [one for one in outlets if _drains(one, barrier, begun)]
         for one in drained:
-            told.setdefault(
+            by_reason.setdefault(
                 one,
                 f"{_field(case, outlets, one)} lies before {place}, in its tail water: it takes out what the wall is "
                 "to hold back; move the outlet behind the wall, or below the ground",
             )
         if not drained and (gap := _gap(barrier, begun)):
             near, far = gap
-            told.setdefault(
+            by_reason.setdefault(
                 near,
                 f"the ground ends at x = {near:z.4g} m, and {abs(far - near):z.3g} m are without any before {place}: "
                 "discs fall through; let the floor reach to the wall",
             )
-    return found + list(told.values())
+    return sentences + list(by_reason.values())
 
 
 def _field(case: CaseFields, outlets: Sequence[Outlet], one: Outlet) -> str:
@@ -456,25 +456,25 @@ def _beyond(one: Outlet, places: np.ndarray) -> np.ndarray:
 def _in_the_flow(
     case: CaseFields, loose: np.ndarray, inlets: Sequence[InletRow], outlets: Sequence[Outlet]
 ) -> list[str]:
-    """Sentences on outlets that discs stand beyond at the start, or that an inflow enters beyond."""
-    found, rows = [], np.array([(row.x, row.y) for row in inlets]).reshape(-1, 2)
+    """Sentences on outlets that discs are beyond at the start, or that an inflow enters beyond."""
+    sentences, rows = [], np.array([(row.x, row.y) for row in inlets]).reshape(-1, 2)
     for one in outlets:
         gone, entering = int(_beyond(one, loose).sum()), int(_beyond(one, rows).sum())
         if gone:
-            found.append(
+            sentences.append(
                 f"{_field(case, outlets, one)} takes {gone} of the {len(loose)} discs out at once that are there at "
                 "the start, as they stand beyond it; move it out of the flow"
             )
         if entering:
-            found.append(
+            sentences.append(
                 f"{_field(case, outlets, one)} takes discs out as they enter: {entering} of the {len(rows)} rows of "
                 "the inflow lie beyond it; move it out of the flow"
             )
-    return found
+    return sentences
 
 
-def _barriers(walls: Sequence[MovingWall], begun: Beginning, ends: tuple[float, float]) -> Iterator[Barrier]:
-    """Solids that stand on the level of the ground before them and reach above it, beside discs that lie there.
+def _barriers(walls: Sequence[MovingWall], begun: InitialState, ends: tuple[float, float]) -> Iterator[Barrier]:
+    """Solids that rest on the level of the ground before them and rise above it, next to discs that lie there.
 
     `ends`: least and largest x of the discs and inlets, m.
     """
@@ -499,7 +499,7 @@ def _stays(one: MovingWall) -> bool:
     return one.motion.kind is None or isinstance(one.motion.kind, Held)
 
 
-def _drains(one: Outlet, barrier: Barrier, begun: Beginning) -> bool:
+def _drains(one: Outlet, barrier: Barrier, begun: InitialState) -> bool:
     """Tells whether an outlet lies in the flow before a wall: across its way, or above the ground there."""
     if one.axis == "x":
         room = barrier.side * (barrier.face - one.at)
@@ -508,7 +508,7 @@ def _drains(one: Outlet, barrier: Barrier, begun: Beginning) -> bool:
     return bool(np.any(low))
 
 
-def _gap(barrier: Barrier, begun: Beginning) -> tuple[float, float] | None:
+def _gap(barrier: Barrier, begun: InitialState) -> tuple[float, float] | None:
     """Begin and end of a gap in the ground before a wall, from the side of the flow, m; None where there is none."""
     x, bare = np.append(barrier.x, barrier.face), np.append(np.isnan(barrier.bed), False)
     known = int(np.argmin(bare))  # the first place with ground

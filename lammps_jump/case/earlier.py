@@ -14,7 +14,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from lammps_jump.dump.ended import DISC, STOPPED, Ended, at_frame, read_ended
+from lammps_jump.dump.ended import DISC, STOPPED, DiscsAtTime, at_frame, read_ended
 from lammps_jump.dump.walls import PushedWalls, outline_of, went_of
 from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
@@ -22,10 +22,10 @@ from lammps_jump.folders import holder
 from lammps_jump.foreign import foreign
 from lammps_jump.physics.elementary import cos, hypot, sin
 from lammps_jump.quoting import echoed, one_line, typed
-from lammps_jump.scene import MovingWall, Sizes, Wall, Went
+from lammps_jump.scene import MovingWall, Sizes, Wall, WallState
 from lammps_jump.scene.meeting import corner_names
-from lammps_jump.scene.motion import Placed, Pose
-from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
+from lammps_jump.scene.motion import Pose, WallAtStep
+from lammps_jump.scene.scene import CONTACT, EarlierState, Fixed, chains_of
 from lammps_jump.units import to_si
 
 from .base import EarlierDiscs, EarlierRun
@@ -51,7 +51,7 @@ class Pushable(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GoingOn:
+class ContinuedWalls:
     """State of the walls of a case from earlier runs.
 
     Attributes
@@ -61,20 +61,20 @@ class GoingOn:
     left : mapping of int to frozenset of str
         By the number of the item of ``initial``: walls of its run that do not go on from there.
     said : tuple of str
-        Which go on, begin anew and stay behind, in words.
+        Which go on, begin anew and are left out, in words.
     """
 
-    walls: Mapping[str, Went] = field(default_factory=dict)
+    walls: Mapping[str, WallState] = field(default_factory=dict)
     left: Mapping[int, frozenset[str]] = field(default_factory=dict)
     said: tuple[str, ...] = ()
 
     def placed(self, one: Wall, about: Mapping[str, tuple[float, float]]) -> Wall:
         """A wall where it begins."""
         went = self.walls.get(one.name)
-        return one if went is None else Placed(one, went.pose, about[one.name])
+        return one if went is None else WallAtStep(one, went.pose, about[one.name])
 
 
-def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> GoingOn:
+def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> ContinuedWalls:
     """Walls of a case that go on from the runs that its discs come from: those of the same name, motion and outline.
 
     Parameters
@@ -85,20 +85,20 @@ def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> GoingO
     pushed : sequence of Pushable
         Of the case.
     """
-    walls: dict[str, Went] = {}
+    walls: dict[str, WallState] = {}
     left: dict[int, frozenset[str]] = {}
     said: list[str] = []
     own, anew = {one.wall.name: one for one in pushed}, dict.fromkeys((one.wall.name for one in pushed), "")
     items = [(index, item) for index, item in enumerate(case.initial) if isinstance(item, EarlierRun)]
     for index, item in items:
-        state, behind = runs["initial", index].state.walls, set()
+        state, in_folder = runs["initial", index].state.walls, set()
         for name, kind in zip(state.names, state.kinds, strict=True):
             one, noun = own.get(name), f"{NOUNS.get(kind, 'wall')} '{name}'"
             if one is None:
-                behind.add(name)
+                in_folder.add(name)
                 said.append(f"{noun} of {item.folder} stays behind: this case has none of that name")
             elif why := _unlike(one, item, state, walls):
-                behind.add(name)
+                in_folder.add(name)
                 anew[name] = f"{why} in {item.folder}"
             elif state.row(name)["released"]:
                 walls[name] = _went(one, item, state)
@@ -106,17 +106,17 @@ def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> GoingO
             else:
                 said.append(f"{noun} is still held in {item.folder}: it waits here until from, {one.begin:zg} s")
                 anew.pop(name, None)
-        left[index] = frozenset(behind)
+        left[index] = frozenset(in_folder)
     for name, why in anew.items() if items else ():
         if name not in walls:
             known = all(runs["initial", index].state.walls.known for index, _ in items)
             there = " and ".join(item.folder for _, item in items)
             why = why or (f"{there} has none of that name" if known else f"{there} kept nothing of it")
             said.append(f"{NOUNS[own[name].kind]} '{name}' begins anew, where this case has it: {why}")
-    return GoingOn(walls, left, tuple(said))
+    return ContinuedWalls(walls, left, tuple(said))
 
 
-def _unlike(one: Pushable, item: EarlierRun, state: PushedWalls, taken: Mapping[str, Went]) -> str:
+def _unlike(one: Pushable, item: EarlierRun, state: PushedWalls, taken: Mapping[str, WallState]) -> str:
     """Why a wall does not go on; empty where it does."""
     name = one.wall.name
     if name in taken:
@@ -146,7 +146,7 @@ def _centre(row: np.void) -> tuple[float, float]:
     return row["about"][0] + x + c * ax - s * ay, row["about"][1] + y + s * ax + c * ay
 
 
-def _went(one: Pushable, item: EarlierRun, state: PushedWalls) -> Went:
+def _went(one: Pushable, item: EarlierRun, state: PushedWalls) -> WallState:
     """State of a wall that goes on, from its run."""
     row = state.row(one.wall.name)
     dx, dy = (outline_of(one.wall) - state.outline(one.wall.name))[0, :2].tolist()
@@ -160,7 +160,7 @@ def _went(one: Pushable, item: EarlierRun, state: PushedWalls) -> Went:
     return went
 
 
-def _told(one: Pushable, went: Went, noun: str, item: EarlierRun) -> str:
+def _told(one: Pushable, went: WallState, noun: str, item: EarlierRun) -> str:
     """A sentence on a wall that goes on."""
     x, y, angle = went.pose
     turned = f" and turned by {degrees(angle):z.3g} degrees" if abs(degrees(angle)) >= LEAST_TURN else ""
@@ -174,9 +174,9 @@ def renumbered(contacts: np.ndarray, column: str, old: Sequence[str], new: Seque
     place = {name: number for number, name in enumerate(new)}
     numbers = np.array([place.get(name, -1) for name in (*old, "")])
     sign = -1 if column == "partner" else 1
-    found = numbers[sign * contacts[column] - 1]
-    kept = contacts[found >= 0].copy()
-    kept[column] = sign * (1 + found[found >= 0])
+    numbers_kept = numbers[sign * contacts[column] - 1]
+    kept = contacts[numbers_kept >= 0].copy()
+    kept[column] = sign * (1 + numbers_kept[numbers_kept >= 0])
     return kept
 
 
@@ -184,7 +184,7 @@ SAME_DENSITY = 1e-12
 """Relative difference of densities that is round-off."""
 FIXED = 1 << 40
 """An id above all others."""
-KNOWN: WeakValueDictionary[str, Ended] = WeakValueDictionary()
+KNOWN: WeakValueDictionary[str, DiscsAtTime] = WeakValueDictionary()
 """Discs that cases of this process hold, by their keys: a study reads a run once."""
 
 
@@ -216,7 +216,7 @@ def read_runs(source: CaseSource) -> None:
         KNOWN[old.state.key] = old.state
 
 
-def _own(source: CaseSource, key: object) -> Ended | None:
+def _own(source: CaseSource, key: object) -> DiscsAtTime | None:
     """The discs of this key: known in this process, or in the folder of the case, which is then a run folder."""
     if not isinstance(key, str) or not key.isalnum():
         return None
@@ -224,13 +224,13 @@ def _own(source: CaseSource, key: object) -> Ended | None:
         return KNOWN.get(key)
     path = source.folder / START_FILE.format(key=key)
     try:
-        found = _read(path) if os.path.lexists(path) else None
+        discs = _read(path) if os.path.lexists(path) else None
     except DumpError as error:
         raise CaseError(f"{error}; without it the run cannot be read: put the file back") from None
-    return found
+    return discs
 
 
-def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> Ended:
+def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> DiscsAtTime:
     """The discs of a run folder, at a time as the case has it."""
     place = source.place((*path, "folder"))
     base = source.folder or Path()
@@ -238,7 +238,7 @@ def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> En
     try:
         moment = inf if time in (None, "last") else float(to_si(time, "s"))
     except (TypeError, ValueError):
-        return Ended(0.0, 1.0, np.empty(0, DISC))  # the field is refused for itself
+        return DiscsAtTime(0.0, 1.0, np.empty(0, DISC))  # the field is refused for itself
     with foreign(CaseError, f"{place}: {echoed(name)} is no folder that can be read"):
         one_line(name)
         roots = {base.resolve(), Path.cwd().resolve()}
@@ -267,7 +267,7 @@ def _how_to_make(base: Path, folder: Path) -> str:
     return f"`{typed('build-and-run', shown[0], '--out', shown[1])}` makes it"
 
 
-def read_state(folder: Path, time: float = inf) -> Ended:
+def read_state(folder: Path, time: float = inf) -> DiscsAtTime:
     """The discs of a run folder at a time (s; infinite: at its end).
 
     Raises
@@ -306,7 +306,7 @@ def _summary(folder: Path) -> dict[str, Any]:
     return stored
 
 
-def _kept(folder: Path, stored: dict[str, Any]) -> Ended | None:
+def _kept(folder: Path, stored: dict[str, Any]) -> DiscsAtTime | None:
     """The state that a run kept of its end, where the folder has one; DumpError where it is not that of the summary."""
     path = folder / END_FILE
     if not os.path.lexists(path):
@@ -321,14 +321,14 @@ def _kept(folder: Path, stored: dict[str, Any]) -> Ended | None:
     return _read(path)
 
 
-def _read(path: Path) -> Ended:
+def _read(path: Path) -> DiscsAtTime:
     """A file of a state, read once as long as it stays the same."""
-    told = path.stat()
-    return _read_once(path.resolve(), told.st_size, told.st_mtime_ns)
+    status = path.stat()
+    return _read_once(path.resolve(), status.st_size, status.st_mtime_ns)
 
 
 @lru_cache(maxsize=4)
-def _read_once(path: Path, size: int, changed: int) -> Ended:
+def _read_once(path: Path, size: int, changed: int) -> DiscsAtTime:
     return read_ended(path)
 
 
@@ -346,7 +346,7 @@ def from_run(source: CaseSource, folder: Path, time: object) -> dict[str, object
 
 def with_restart(initial: Sequence[object], source: CaseSource) -> tuple[object, ...]:
     """The items of ``initial``, those of earlier runs with what their runs hold."""
-    found = []
+    items = []
     for index, item in enumerate(initial):
         if isinstance(item, EarlierRun):
             discs = _chosen(item, source.begun["initial", index].state)
@@ -354,11 +354,11 @@ def with_restart(initial: Sequence[object], source: CaseSource) -> tuple[object,
             fastest = 0.0 if item.velocities == "rest" else float(np.hypot(discs["vx"], discs["vy"]).max(initial=0.0))
             ends = (float(x.min(initial=inf)), float(x.max(initial=-inf))) if len(x) else (0.0, 0.0)
             item = item.read(EarlierDiscs(len(x), ends, float(y.max(initial=-inf)) if len(x) else 0.0, fastest))
-        found.append(item)
-    return tuple(found)
+        items.append(item)
+    return tuple(items)
 
 
-def _chosen(item: EarlierRun, state: Ended) -> np.ndarray:
+def _chosen(item: EarlierRun, state: DiscsAtTime) -> np.ndarray:
     """The discs that lie where the case takes them from."""
     discs, kept = state.discs, np.ones(len(state.discs), bool)
     for axis in "xy":
@@ -373,12 +373,12 @@ class RestartDiscs(NamedTuple):
     positions: np.ndarray
     velocities: np.ndarray
     diameters: np.ndarray
-    earlier: Earlier
+    earlier: EarlierState
 
 
 def load_restart(
     case: CaseFields, runs: Runs, walls: Iterable[tuple[str, Wall]], allowed: float,
-    random: np.random.Generator, going: GoingOn,
+    random: np.random.Generator, going: ContinuedWalls,
 ) -> RestartDiscs | None:  # fmt: skip
     """The discs of all earlier runs of a case, with ids from 1 on; None where it names none.
 
@@ -388,7 +388,7 @@ def load_restart(
     runs : mapping of tuple to StartState
         `CaseSource.begun`.
     walls : iterable of (str, Wall)
-        Walls that stand there at the start, with their fields.
+        Walls that are there at the start, with their fields.
     allowed : float
         Depth in a wall that is allowed, m.
     random : Generator
@@ -413,7 +413,7 @@ def load_restart(
     whole = len(parts) == len(case.initial) == 1
     chains = tuple(dict.fromkeys(name for part in parts for name in part.earlier.chains))
     corners = tuple(dict.fromkeys(name for part in parts for name in part.earlier.corner_names))
-    earlier = Earlier(
+    earlier = EarlierState(
         np.concatenate([part.earlier.spins for part in parts]),
         np.concatenate([part.earlier.half for part in parts]),
         np.concatenate([renamed(part.earlier, chains) for part in parts]),
@@ -429,7 +429,7 @@ def load_restart(
 
 
 def _one(
-    case: CaseFields, index: int, state: Ended, walls: Sequence[tuple[str, Wall]], allowed: float,
+    case: CaseFields, index: int, state: DiscsAtTime, walls: Sequence[tuple[str, Wall]], allowed: float,
     first: int, random: np.random.Generator,
 ) -> RestartDiscs:  # fmt: skip
     """The discs of one item, with ids from `first` on."""
@@ -460,7 +460,7 @@ def _one(
     said = f"begins from {item.folder} at t = {state.time:z.6g} s ({state.which}; key {state.key}): {len(discs)} discs"
     said += f", {dropped} more dropped, deep in a wall" if dropped else ""
     said += f"; the memory of {lost} contacts has lost its disc" if lost else ""
-    origin = Earlier(
+    origin = EarlierState(
         moves[:, 2], np.full_like(half, np.nan) if rest else half, contacts, state.chains,
         state.exact if unmoved else {}, (said,), {}, state.walls.corners, state.walls.corner_names,
     )  # fmt: skip
@@ -491,17 +491,17 @@ def _free(
     return free
 
 
-def _contacts(state: Ended, ids: np.ndarray, first: int) -> tuple[np.ndarray, int]:
+def _contacts(state: DiscsAtTime, ids: np.ndarray, first: int) -> tuple[np.ndarray, int]:
     """Contacts between these discs, or of one and a wall, with ids from `first` on; how many lack a disc.
 
     The k-th fixed disc of the run is `FIXED` + k, until its id is known (`restart_state`).
     """
     held, one, last = state.contacts, *state.fixed
     new = {name: np.where(held[name] < 0, held[name], 0) for name in ("disc", "partner")}
-    for name, found in new.items():
+    for name, values in new.items():
         at = np.minimum(np.searchsorted(ids, held[name]), len(ids) - 1)
-        found[:] = np.where(ids[at] == held[name], first + at, found)
-        found[:] = np.where((held[name] >= one) & (held[name] <= last), FIXED + held[name] - one, found)
+        values[:] = np.where(ids[at] == held[name], first + at, values)
+        values[:] = np.where((held[name] >= one) & (held[name] <= last), FIXED + held[name] - one, values)
     loose = (new["disc"] > 0) & (new["disc"] < FIXED) | (new["partner"] > 0) & (new["partner"] < FIXED)
     there = (new["disc"] != 0) & (new["partner"] != 0)
     kept = held[there].copy()
@@ -509,24 +509,24 @@ def _contacts(state: Ended, ids: np.ndarray, first: int) -> tuple[np.ndarray, in
     return kept, int((loose & ~there).sum())
 
 
-def renamed(earlier: Earlier, chains: Sequence[str]) -> np.ndarray:
+def renamed(earlier: EarlierState, chains: Sequence[str]) -> np.ndarray:
     """The contacts with partners -1 - c that mean these chains; those of other chains are left out."""
     place = {name: number for number, name in enumerate(chains)}
     numbers = np.array([place.get(name, -1) for name in (*earlier.chains, "")])
-    found = earlier.contacts.copy()
-    walls = found["partner"] < 0
-    number = numbers[np.where(walls, -1 - found["partner"], -1)]
-    found["partner"][walls] = -1 - number[walls]
-    return found[~walls | (number >= 0)]
+    renumbered_contacts = earlier.contacts.copy()
+    walls = renumbered_contacts["partner"] < 0
+    number = numbers[np.where(walls, -1 - renumbered_contacts["partner"], -1)]
+    renumbered_contacts["partner"][walls] = -1 - number[walls]
+    return renumbered_contacts[~walls | (number >= 0)]
 
 
-def of_corners(earlier: Earlier, corners: Sequence[str], chains: Sequence[str]) -> np.ndarray:
+def of_corners(earlier: EarlierState, corners: Sequence[str], chains: Sequence[str]) -> np.ndarray:
     """Contact history of corners, by these names of corners and chains; contacts of others are left out."""
-    found = renumbered(earlier.corners, "disc", earlier.corner_names, corners)
-    return renumbered(found, "partner", earlier.chains, chains)
+    numbered = renumbered(earlier.corners, "disc", earlier.corner_names, corners)
+    return renumbered(numbered, "partner", earlier.chains, chains)
 
 
-def _without_memory_of(earlier: Earlier, walls: frozenset[str]) -> Earlier:
+def _without_memory_of(earlier: EarlierState, walls: frozenset[str]) -> EarlierState:
     """Nothing is remembered of contacts with these walls: their chains and corners have no name."""
     chains, corners = (
         tuple("" if name.rpartition(":")[0] in walls else name for name in names)
@@ -546,10 +546,10 @@ def with_given(sizes: Sizes | None, diameter: float, taken: RestartDiscs | None)
     return replace(sizes or Sizes((1.0,), (diameter,), (diameter,)), given=tuple(taken.diameters.tolist()))
 
 
-def restart_state(taken: RestartDiscs | None, count: int, fixed: Fixed | None) -> Earlier | None:
+def restart_state(taken: RestartDiscs | None, count: int, fixed: Fixed | None) -> EarlierState | None:
     """State of so many discs at the start from earlier runs; those that come after have none of it.
 
-    The fixed discs of this case stand for those of the earlier run, one for one: no slot outlives a contact that is not
+    The fixed discs of this case replace those of the earlier run, one for one: no slot outlives a contact that is not
     there.
     """
     if taken is None:
@@ -573,7 +573,7 @@ def restart_state(taken: RestartDiscs | None, count: int, fixed: Fixed | None) -
     )
 
 
-def for_walls(earlier: Earlier | None, walls: Iterable[MovingWall], *, remembers: bool) -> Earlier | None:
+def for_walls(earlier: EarlierState | None, walls: Iterable[MovingWall], *, remembers: bool) -> EarlierState | None:
     """State of discs from an earlier run, for a scene of these walls; it says how much memory finds no partner."""
     if earlier is None:
         return None

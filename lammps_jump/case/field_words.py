@@ -42,8 +42,8 @@ def fields_of(model: type) -> dict[str, FieldInfo]:
         for name in vars(base).get("__annotations__", {})
     }
     own_first = sorted((item.name for item in fields(cast(Any, model))), key=declared.__getitem__)
-    found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
-    return {field.alias or name: field for name, field in found.items()}
+    by_name = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
+    return {field.alias or name: field for name, field in by_name.items()}
 
 
 def models_in(annotation: object) -> list[type]:
@@ -61,15 +61,15 @@ def kind_of(model: type) -> str | None:
 
 def fields_by_name(model: type, group: str = "") -> dict[str, list[FieldInfo]]:
     """Fields of a model and of those in it by their dotted names, those of all kinds; ``kind`` itself left out."""
-    found: dict[str, list[FieldInfo]] = {}
+    by_name: dict[str, list[FieldInfo]] = {}
     for name, field in fields_of(model).items():
         if name != "kind":
             path = f"{group}.{name}".lstrip(".")
-            found.setdefault(path, []).append(field)
+            by_name.setdefault(path, []).append(field)
             for inner in models_in(field.annotation):
                 for other, several in fields_by_name(inner, path).items():
-                    found.setdefault(other, []).extend(several)
-    return found
+                    by_name.setdefault(other, []).extend(several)
+    return by_name
 
 
 def fields_at(model: type, location: Iterable[str | int]) -> list[FieldInfo]:
@@ -82,13 +82,13 @@ def fields_at(model: type, location: Iterable[str | int]) -> list[FieldInfo]:
     location : iterable of str or int
         Names of fields, names or numbers of items; also kinds and tags (``<one>``), which choose, as in pydantic's.
     """
-    around = found = [_field(model)]
+    around = fields = [_field(model)]
     for part in location:
         if part == "[key]":  # of a mapping, as pydantic calls it
-            found = [_field(get_args(field.annotation)[0]) for field in around]
+            fields = [_field(get_args(field.annotation)[0]) for field in around]
         else:
-            found, around = [inner for field in found for inner in _below(field, str(part))], found
-    return found
+            fields, around = [inner for field in fields for inner in _below(field, str(part))], fields
+    return fields
 
 
 def _below(field: FieldInfo, part: str) -> list[FieldInfo]:
@@ -137,9 +137,9 @@ class Vector(NamedTuple):
     rises: bool
 
 
-def vector_in(found: Iterable[FieldInfo]) -> Vector | None:
+def vector_in(fields: Iterable[FieldInfo]) -> Vector | None:
     """Vector that a field is: a list of so many numbers, or one of its alternatives is; None where there is none."""
-    for field in found:
+    for field in fields:
         rises = any(
             isinstance(note, AfterValidator) and note.func in (ordered, not_backwards) for note in notes_of(field)
         )
@@ -154,35 +154,35 @@ def vector_in(found: Iterable[FieldInfo]) -> Vector | None:
     return None
 
 
-def unit_of(found: Iterable[FieldInfo]) -> str:
+def unit_of(fields: Iterable[FieldInfo]) -> str:
     """The SI unit of fields; empty where they have none, or several."""
-    units = {note.unit for field in found for note in notes_of(field) if isinstance(note, InUnit)}
+    units = {note.unit for field in fields for note in notes_of(field) if isinstance(note, InUnit)}
     return units.pop() if len(units) == 1 else ""
 
 
-def label_of(found: Iterable[FieldInfo]) -> str:
+def label_of(fields: Iterable[FieldInfo]) -> str:
     """A few words for an axis or a table; empty where the fields have none, or several."""
-    labels = {field.title or "" for field in found}
+    labels = {field.title or "" for field in fields}
     return labels.pop() if len(labels) == 1 else ""
 
 
-def range_of(found: Iterable[FieldInfo]) -> str:
+def range_of(fields: Iterable[FieldInfo]) -> str:
     """Range of a number, with its unit; empty where there are no bounds."""
-    found = list(found)
+    fields = list(fields)
     bounds = (
-        (sign, getattr(note, key, None)) for field in found for note in notes_of(field) for key, sign in SIGNS.items()
+        (sign, getattr(note, key, None)) for field in fields for note in notes_of(field) for key, sign in SIGNS.items()
     )
     text = " and ".join(dict.fromkeys(f"{sign} {bound:zg}" for sign, bound in bounds if bound is not None))
-    unit = unit_of(found)
+    unit = unit_of(fields)
     return f"{text} {unit_in_words(unit)}" if text and unit else text
 
 
-def briefly(found: Iterable[FieldInfo]) -> str:
+def briefly(fields: Iterable[FieldInfo]) -> str:
     """Label of a field, or the begin of its meaning; and its unit."""
-    found = list(found)
-    meanings = dict.fromkeys(re.split(r"[;.] | \(\w+\.md", field.description or "")[0] for field in found)
-    said = label_of(found) or " or ".join(filter(None, meanings))
-    unit = unit_of(found)
+    fields = list(fields)
+    meanings = dict.fromkeys(re.split(r"[;.] | \(\w+\.md", field.description or "")[0] for field in fields)
+    said = label_of(fields) or " or ".join(filter(None, meanings))
+    unit = unit_of(fields)
     return f"{said}, in {unit_in_words(unit)}" if said and unit else said
 
 
@@ -301,9 +301,11 @@ class Meaning(NamedTuple):
 
 def meanings(word: str) -> list[Meaning]:
     """Fields that a word may mean."""
-    asked = word.lower().replace("-", "_") if len(word) > 1 else word
-    found = ((path, said) for path, words, said in MEANT if asked in words.split() or asked == path.rpartition(".")[2])
-    return [Meaning(*path.rpartition(".")[::2], said) for path, said in found]
+    spelled = word.lower().replace("-", "_") if len(word) > 1 else word
+    pairs = (
+        (path, said) for path, words, said in MEANT if spelled in words.split() or spelled == path.rpartition(".")[2]
+    )
+    return [Meaning(*path.rpartition(".")[::2], said) for path, said in pairs]
 
 
 def kinds(word: str) -> list[str]:
@@ -442,11 +444,11 @@ def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
         return hint
     group = ".".join(part for part in path[:-1] if isinstance(part, str))
     named = fields_by_name(whole) if whole is CaseFields else {}
-    found = [one.told(briefly(named[one.path])) for one in meanings(word) if named]
-    here = [one for one in found if one.group == group and one.name in known]
+    possible = [one.told(briefly(named[one.path])) for one in meanings(word) if named]
+    here = [one for one in possible if one.group == group and one.name in known]
     if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
         return f"write {here[0]}" if here else nearest(word, known)
-    away = {one.path: str(one) for one in found if one.group != group and len(one.name) > 1}  # x and y: of what?
+    away = {one.path: str(one) for one in possible if one.group != group and len(one.name) > 1}  # x and y: of what?
     elsewhere = [other for other in named if other.rpartition(".")[2] == word and other.rpartition(".")[0] != group]
     away |= {other: other for other in elsewhere if other not in away}
     if not away:
@@ -468,8 +470,8 @@ def _kind(tag: object, value: object, known: list[str]) -> str:
 
 
 def _models_at(location: tuple[Any, ...], model: type) -> list[type]:
-    """The models that may stand at pydantic's location, from `model` on."""
-    return [found for field in fields_at(model, location) for found in models_in(field.annotation)]
+    """The models that are allowed at pydantic's location, from `model` on."""
+    return [model_found for field in fields_at(model, location) for model_found in models_in(field.annotation)]
 
 
 def _fields(models: list[type]) -> dict[str, FieldInfo]:
@@ -478,14 +480,14 @@ def _fields(models: list[type]) -> dict[str, FieldInfo]:
 
 def slopes_of_angles(data: Any) -> tuple[str, ...]:
     """Sentences on the numbers of a case's data that are tangents of angles, one each, in the order of the data."""
-    found = []
+    sentences = []
     for path, text in _texts(data, ()):
         if (angle := angle_of(text)) is None:  # most texts are none, and looking for their fields takes long
             continue
         fields = fields_at(CaseFields, path)
         if any(isinstance(note, InUnit) and note.slope for field in fields for note in notes_of(field)):
-            found.append(f"{_named(data, path)}: {tangent(angle):z.3g}, the tangent of {echoed(text)}")
-    return tuple(found)
+            sentences.append(f"{_named(data, path)}: {tangent(angle):z.3g}, the tangent of {echoed(text)}")
+    return tuple(sentences)
 
 
 def _texts(data: Any, path: PathKey) -> Iterator[tuple[PathKey, str]]:

@@ -39,7 +39,7 @@ class StationPair(Strict):
 
 
 class WeightOfWall(Strict):
-    """Weight and strength of a wall that stands, as if it were a body."""
+    """Weight and strength of a wall that does not move, as if it were a body."""
 
     density: Annotated[units.Density, Field(ge=1e-3, le=1e6)] = Field(
         description="of the material of the wall, over the area of its outline"
@@ -149,7 +149,7 @@ def asked_for(base: type[Strict], listed: Mapping[str, ListedAnalysis]) -> Any:
 
 
 class Analysis(asked_for(Means, LISTED)):  # type: ignore[misc]
-    """Analyses of the dump: those of `LISTED`, and what some of them take beside true and false."""
+    """Analyses of the dump: those of `LISTED`, and what some of them take other than true and false."""
 
     front: Literal[False, True, "water"] = Field(default=False, description=LISTED["front"].asks)
     layers: Annotated[Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)] = (
@@ -335,7 +335,7 @@ def _folded(value: Any) -> Any:
 
 
 def _downwards(value: Any) -> Any:
-    """Gravity as it stands, refused as a vector with what is meant by it."""
+    """Gravity as given, refused as a vector with what is meant by it."""
     if not isinstance(value, list | tuple):
         return value
     if len(value) == 2 and all(isinstance(part, int | float) for part in value) and value[1] < 0:
@@ -448,10 +448,10 @@ class CaseFields(Strict):
 
     @property
     def output_interval(self) -> float:
-        """Time between frames, s; where none is asked for, close enough for a film, or `STILL_INTERVAL`."""
-        asked = self.run.output_interval
-        if asked is not None or not self.gravity:
-            return asked or STILL_INTERVAL
+        """Time between frames, s; where none is given, short enough for a film, or `STILL_INTERVAL`."""
+        interval = self.run.output_interval
+        if interval is not None or not self.gravity:
+            return interval or STILL_INTERVAL
         return max(FILM_INTERVAL * sqrt(self.discs.diameter / self.gravity), self.run.duration / MOST_FILMED)
 
     @property

@@ -97,13 +97,13 @@ ROUNDED = 1.01
 
 def speeds(case: CaseFields, moving: Sequence[MovingWall]) -> list[float]:
     """Largest speeds that sliders give to walls and to the inflow, m/s; the same whatever they have done."""
-    found = []
+    speeds_of_sliders = []
     for wall, _ in moving:
         arms = {"turn": np.radians(1.0) * _far(wall, wall.pivot_point)} if is_live(case, wall.name) else {}
         rates = [one.rate * float(arms.get(one.move or "", 1.0)) for one in _sliders(case, wall.name)]
-        found += [ROUNDED * sum(rates)] if rates else []
+        speeds_of_sliders += [ROUNDED * sum(rates)] if rates else []
     for one in (case.live or {}).values():
         if one.path == "inflow" and isinstance(case.inflow, RowsInflow):
             depths = [depth for depth in case.inflow.hydrograph.depths if depth]
-            found.append(FASTEST_ROW * one.range[1] / min(depths))
-    return [speed for speed in found if isfinite(speed)]
+            speeds_of_sliders.append(FASTEST_ROW * one.range[1] / min(depths))
+    return [speed for speed in speeds_of_sliders if isfinite(speed)]

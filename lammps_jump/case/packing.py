@@ -287,15 +287,15 @@ class _Pile:
             low, high = place[1] - radius * (1 - SLACK), place[1] + radius * (1 - SLACK)
             if low < self.y[0] or high > self.y[1]:
                 return False
-            found = self._hindrance(place, radius)
-            if found is None:
+            obstacle = self._hindrance(place, radius)
+            if obstacle is None:
                 return self._insert(a, b, place, radius)
-            if found >= 0 and found not in self.after:
+            if obstacle >= 0 and obstacle not in self.after:
                 return False
-            if found == LEFT or (found >= 0 and a != LEFT and (b == RIGHT or self.discs[found][0] < place[0])):
-                a = found
+            if obstacle == LEFT or (obstacle >= 0 and a != LEFT and (b == RIGHT or self.discs[obstacle][0] < place[0])):
+                a = obstacle
             else:
-                b = found
+                b = obstacle
         return False
 
     def _between(self, a: int, b: int, radius: float) -> Place | None:
@@ -306,9 +306,9 @@ class _Pile:
         if a == LEFT or b == RIGHT:
             x0, y0, other = self.discs[b if a == LEFT else a]
             if b == RIGHT and y0 <= bottom + other * (1 + SLACK):
-                beside = x0 + 2.0 * sqrt(radius * other)
-                if beside + radius <= right + SLACK * radius:
-                    return beside, bottom + radius
+                x_between = x0 + 2.0 * sqrt(radius * other)
+                if x_between + radius <= right + SLACK * radius:
+                    return x_between, bottom + radius
             x = left + radius if a == LEFT else right - radius
             rise = (radius + other) ** 2 - (x - x0) ** 2
             return (x, y0 + sqrt(rise)) if rise >= 0 else None
@@ -343,7 +343,7 @@ class _Pile:
         return floor(place[0] / self.largest), floor(place[1] / self.largest)
 
     def _insert(self, a: int, b: int, place: Place, radius: float) -> bool:
-        """Put a disc there, and what stood between `a` and `b` out of the chain; False where `b` comes before `a`."""
+        """Puts a disc there, and what was between `a` and `b` out of the chain; False where `b` comes before `a`."""
         leave = []
         at = self.after.get(a, RIGHT)
         while at not in (b, RIGHT):
@@ -358,7 +358,7 @@ class _Pile:
         self.cells.setdefault(self._cell(place), []).append(new)
         self.after[a], self.after[new] = new, b
         for pair in ((a, new), (new, b)):
-            found = self._between(*pair, 0.5 * self.largest)
-            if found is not None:
-                heappush(self.notches, (found[1], *pair))
+            notch = self._between(*pair, 0.5 * self.largest)
+            if notch is not None:
+                heappush(self.notches, (notch[1], *pair))
         return True

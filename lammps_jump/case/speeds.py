@@ -12,7 +12,7 @@ import numpy as np
 from lammps_jump.physics.contact import Coefficients, largest_overlap
 from lammps_jump.physics.devices import creep_speed
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.scene import Beginning, MovingWall, Scene
+from lammps_jump.scene import InitialState, MovingWall, Scene
 from lammps_jump.scene.motion import Motion, largest_speed
 
 from .base import EarlierRun
@@ -82,11 +82,11 @@ def ground(case: CaseFields, x: np.ndarray) -> np.ndarray:
     Walls that end above all discs are left out.
     """
     highest = max((start.top for start in starts(case)), default=inf)
-    found = np.full(x.shape, -inf)
+    heights = np.full(x.shape, -inf)
     for wall in case.walls:
         for _, top in (wall.surface if isinstance(wall, RoughBed) else wall).grounds(x):
-            found = np.where(np.isfinite(top) & (top < highest) & (top > found), top, found)
-    return found
+            heights = np.where(np.isfinite(top) & (top < highest) & (top > heights), top, heights)
+    return heights
 
 
 def stretch(case: CaseFields) -> tuple[float, float]:
@@ -115,19 +115,19 @@ def expected(case: CaseFields) -> Expected:
     Where nothing moves, the speed is 0. A slope adds nothing: friction decides what it does.
     """
     low, gravity = lowest_ground(case), case.gravity * cos(radians(case.slope))
-    found = [Expected(0.0, "nothing moves at the start")]
+    expected_speeds = [Expected(0.0, "nothing moves at the start")]
     for start in starts(case):
         fall = max(0.0, start.top - low)
         speed = sqrt(start.speed**2 + 2 * gravity * fall)
-        told = [f"discs {start.said} at {start.speed:z.3g} m/s"] if start.speed else []
-        told += [f"{'' if told else 'discs '}fall by up to {fall:z.3g} m to the lowest ground"] if fall else []
-        found.append(Expected(speed, " and ".join(told) or "discs start at rest"))
+        sources = [f"discs {start.said} at {start.speed:z.3g} m/s"] if start.speed else []
+        sources += [f"{'' if sources else 'discs '}fall by up to {fall:z.3g} m to the lowest ground"] if fall else []
+        expected_speeds.append(Expected(speed, " and ".join(sources) or "discs start at rest"))
     for wall in case.walls:
         if not isinstance(wall, RoughBed) and wall.motion is not None:
             moving = MovingWall(wall, Motion(inf, wall.motion, wall.motion.about or wall.pivot_point))
             speed = largest_speed(moving, 0.0, case.run.duration) if wall.finite else 0.0
-            found.append(Expected(speed, f"wall '{wall.name}' moves at up to {speed:z.3g} m/s"))
-    return max(found, key=lambda one: one.speed)
+            expected_speeds.append(Expected(speed, f"wall '{wall.name}' moves at up to {speed:z.3g} m/s"))
+    return max(expected_speeds, key=lambda one: one.speed)
 
 
 def overlap_at(speed: float, c: Coefficients, diameter: float) -> float:
@@ -135,20 +135,20 @@ def overlap_at(speed: float, c: Coefficients, diameter: float) -> float:
     return largest_overlap(speed, c.restitution, c.omega_wall) / diameter
 
 
-def softness(case: CaseFields, begun: Beginning) -> list[str]:
+def softness(case: CaseFields, begun: InitialState) -> list[str]:
     """A sentence on contacts that are too soft for the speed that is expected.
 
     A stiffness that is given is doubted from `SOFT` times `DESIGN` on; one that follows from ``impact_speed`` where
     the overlap ends the run.
     """
-    c, law, found = begun.coefficients, case.contact, expected(case)
-    share, limit = overlap_at(found.speed, c, begun.diameter), begun.overlap_limit / begun.diameter
+    c, law, peak = begun.coefficients, case.contact, expected(case)
+    share, limit = overlap_at(peak.speed, c, begun.diameter), begun.overlap_limit / begun.diameter
     if share <= (limit if law.own_stiffness is None else min(limit, SOFT * DESIGN)):
         return []
     ends = f"the run ends at {limit:z.2g}" if share > limit else f"{DESIGN:zg} is usual"
     return [
-        f"contacts are soft: {found.reason}, so that discs may meet a wall at {found.speed:z.3g} m/s and overlap it by "
-        f"{share:z.2g} of a diameter ({ends}); {law.stiff_for(found.speed, share / DESIGN)}"
+        f"contacts are soft: {peak.reason}, so that discs may meet a wall at {peak.speed:z.3g} m/s and overlap it by "
+        f"{share:z.2g} of a diameter ({ends}); {law.stiff_for(peak.speed, share / DESIGN)}"
     ]
 
 
@@ -184,7 +184,7 @@ def makes_heap(case: CaseFields, diameter: float, walls: Iterable[MovingWall]) -
     return (falls and case.inflow is None) or isinstance(case.inflow, PourInflow)
 
 
-def heap_doubts(case: CaseFields, begun: Beginning, walls: Iterable[MovingWall]) -> list[str]:
+def heap_doubts(case: CaseFields, begun: InitialState, walls: Iterable[MovingWall]) -> list[str]:
     """A sentence on a heap whose contacts have no tangential spring: it creeps; or no rolling spring: it is flat."""
     law, c = FRICTION_LAWS[case.contact.friction_law], begun.coefficients
     if law.remembers:
@@ -193,13 +193,13 @@ def heap_doubts(case: CaseFields, begun: Beginning, walls: Iterable[MovingWall])
     if c.friction < LEAST_FRICTION or not makes_heap(case, begun.diameter, walls):
         return []
     speed = creep_speed(case.gravity, STATED_SLOPE, c.gamma_tangential)
-    told = (
+    sentence = (
         f"at {speed:z.2g} m/s on {STATED_SLOPE:zg} degrees ({speed / sqrt(case.gravity * begun.diameter):z.2g} √(g d))"
     )
     holds = [name for name, one in FRICTION_LAWS.items() if one.remembers]
     return [
         f"friction_law {case.contact.friction_law} has no tangential spring: a heap never rests, it creeps"
-        + (f" {told}" if law.ramp is None and speed > 0 else "")
+        + (f" {sentence}" if law.ramp is None and speed > 0 else "")
         + (f"; friction_law: {holds[0]} holds it" if holds else "")
     ]
 
@@ -215,14 +215,14 @@ def curve_doubts(case: CaseFields, scene: Scene) -> list[str]:
     sizes, curve = scene.sizes, case.discs.sizes
     if sizes is None or not isinstance(curve, GradingCurve):
         return []
-    told = [curve.open_end] if isinstance(curve, SieveSizes) and curve.open_end else []
+    sentences = [curve.open_end] if isinstance(curve, SieveSizes) and curve.open_end else []
     coarse = sizes.diameter_at(TENTHS[1])
     share = 1.0 - float(sizes.passing(coarse, 0))
     count = scene.drawn_discs
     if count and count * share < FEWEST:
-        told.append(
+        sentences.append(
             f"discs.sizes: the coarsest tenth of the mass, above {coarse:z.3g} m, is {count * share:z.2g} of {count} "
             f"discs: too few for the curve to be met there; {FEWEST / share:z.2g} discs hold {FEWEST:zg} of them: take "
             "a larger bed, or a curve that is not so wide"
         )
-    return told
+    return sentences

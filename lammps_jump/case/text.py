@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Case text to plain data, with the line of each value; tables in files beside a case."""
+"""Case text to plain data, with the line of each value; tables in files next to a case."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from lammps_jump.units import to_si
 from lammps_jump.written import odd_blank
 
 if TYPE_CHECKING:
-    from lammps_jump.dump.ended import Ended
+    from lammps_jump.dump.ended import DiscsAtTime
 
 PathKey = tuple[str | int, ...]
 
@@ -69,7 +69,7 @@ class StartState(NamedTuple):
 
     folder: str
     time: object
-    state: Ended
+    state: DiscsAtTime
 
 
 Runs = Mapping[PathKey, StartState]
@@ -124,8 +124,8 @@ class CaseSource:
     @property
     def doubts(self) -> tuple[str, ...]:
         """Sentences on values that other readers of YAML take for other ones."""
-        found = (_of_octal(dotted_path(path), text) for path, text in self.octals.items())
-        return tuple(text for text in found if text)
+        texts_found = (_of_octal(dotted_path(path), text) for path, text in self.octals.items())
+        return tuple(text for text in texts_found if text)
 
     @property
     def whole(self) -> dict[str, Any]:
@@ -363,20 +363,20 @@ def override(source: CaseSource, assignment: str) -> None:
         For text without '=', a value that is not YAML, or a list item that is not there.
     """
     dotted, sign, text = (part.strip() for part in assignment.partition("="))
-    told = f"--set {shortened(assignment)}"
+    place = f"--set {shortened(assignment)}"
     parts = dotted.split(".")
     if not sign or not all(parts):
-        raise CaseError(f"{told}: expected path=value, for example --set contact.friction=0")
+        raise CaseError(f"{place}: expected path=value, for example --set contact.friction=0")
     try:
-        node = _compose(text, told)
+        node = _compose(text, place)
     except yaml.YAMLError:
-        raise CaseError(f"{told}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'") from None
-    scratch = CaseSource(file=told, data={})
+        raise CaseError(f"{place}: the value is not YAML; quote it, for example --set 'walls.sill.y=[-10,3]'") from None
+    scratch = CaseSource(file=place, data={})
     value = None if node is None else _plain(node, (), scratch, _Loader(""))
     container: Any = source.data
     path: PathKey = ()
     for depth, part in enumerate(parts, 1):
-        key = _key(container, part, told, path)
+        key = _key(container, part, place, path)
         path = (*path, key)
         if depth == len(parts):
             container[key] = value
@@ -384,8 +384,8 @@ def override(source: CaseSource, assignment: str) -> None:
             if isinstance(container, dict) and container.get(part) is None:
                 container[part] = {}
             container = container[key]
-    kept = {known: told for known, told in source.overrides.items() if known[: len(path)] != path}
-    source.overrides = {**kept, path: assignment}  # the last change stands last
+    kept = {known: place for known, place in source.overrides.items() if known[: len(path)] != path}
+    source.overrides = {**kept, path: assignment}  # the last change comes last
     octals = {known: text for known, text in source.octals.items() if known[: len(path)] != path}
     source.octals = octals | {(*path, *known): text for known, text in scratch.octals.items()}
 
@@ -398,13 +398,13 @@ def value_at(data: Any, dotted: str) -> Any:
     CaseError
         A path that is not there; the message has the nearest one.
     """
-    told, here = f"case[{shortened(str(dotted))!r}]", data
+    place, here = f"case[{shortened(str(dotted))!r}]", data
     path: PathKey = ()
     for part in str(dotted).split("."):
-        key = _key(here, part, told, path)
+        key = _key(here, part, place, path)
         if isinstance(here, dict) and part not in here:
             inside = f" of {dotted_path(path)}" if path else ""
-            raise CaseError(f"{told}: there is no '{shortened(part)}'{inside}; {_hint(data, here, part, path)}")
+            raise CaseError(f"{place}: there is no '{shortened(part)}'{inside}; {_hint(data, here, part, path)}")
         here, path = here[key], (*path, key)
     return here
 
@@ -415,12 +415,12 @@ def _hint(data: Any, here: dict[str, Any], part: str, path: PathKey) -> str:
     return f"did you mean '{groups[0]}.{part}'?" if groups and not path else nearest(part, list(here))
 
 
-def _key(container: Any, part: str, told: str, path: PathKey) -> str | int:
+def _key(container: Any, part: str, place: str, path: PathKey) -> str | int:
     """Key of a part of a path: in a list the number of the item; CaseError where there can be none of that name."""
     if isinstance(container, list):
-        return _item_index(container, part, told, path)
+        return _item_index(container, part, place, path)
     if not isinstance(container, dict):
-        raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
+        raise CaseError(f"{place}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
     return part
 
 
@@ -428,7 +428,7 @@ def _is_number(part: str) -> bool:
     return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
 
 
-def _item_index(items: list[Any], part: str, told: str, path: PathKey) -> int:
+def _item_index(items: list[Any], part: str, place: str, path: PathKey) -> int:
     if _is_number(part) and int(part) < len(items):
         return int(part)
     names = [str(item["name"]) for item in items if isinstance(item, dict) and "name" in item]
@@ -436,14 +436,14 @@ def _item_index(items: list[Any], part: str, told: str, path: PathKey) -> int:
         if isinstance(item, dict) and str(item.get("name")) == part:
             return index
     have = f"names there: {shortened(', '.join(names))}" if names else f"it has {len(items)} items, counted from 0"
-    raise CaseError(f"{told}: {dotted_path(path)} has no item '{shortened(part)}'; {have}")
+    raise CaseError(f"{place}: {dotted_path(path)} has no item '{shortened(part)}'; {have}")
 
 
 MOST_TABLE = 10_000_000
 """Bytes of a table that a case names."""
 SHAPE = {"x": "m", "y": "m"}
 TABLES = {"line": SHAPE, "polygon": SHAPE, "table": {"t": "s", **SHAPE, "angle": "degree"}}
-"""Columns and units of the tables that may stand in place of points, by the kind of their wall or motion."""
+"""Columns and units of the tables that may replace points, by the kind of their wall or motion."""
 
 
 def read_tables(source: CaseSource) -> None:
@@ -452,7 +452,7 @@ def read_tables(source: CaseSource) -> None:
     Raises
     ------
     CaseError
-        A case without a folder, a file outside of it, no table, points beside the file; with file and line.
+        A case without a folder, a file outside of it, no table, points next to the file; with file and line.
     """
     known, source.tables = source.tables, {}
     walls = source.data.get("walls")
@@ -476,15 +476,15 @@ def _table(source: CaseSource, path: PathKey, name: str, columns: dict[str, str]
         raise CaseError(f"{place}: {echoed(name)}: the case is of no file, so that it has no folder: give points")
     file = source.folder / name
     with foreign(CaseError, f"{place}: {echoed(name)} cannot be read", "name a CSV file beside the case"):
-        found = file.resolve(strict=True)
-        if not found.is_relative_to(source.folder.resolve()):
+        heads_read = file.resolve(strict=True)
+        if not heads_read.is_relative_to(source.folder.resolve()):
             raise CaseError(f"{place}: {echoed(name)} lies outside the folder of the case; copy it there")
-        text = read_file(found, MOST_TABLE).decode("utf-8-sig")
+        text = read_file(heads_read, MOST_TABLE).decode("utf-8-sig")
     return FileTable(name, str(file), *_rows(text, columns, str(file), dotted_path(path)))
 
 
 def _rows(text: str, columns: dict[str, str], file: str, field: str) -> tuple[list[list[float]], list[int]]:
-    """Rows of a text, and the lines where they stand."""
+    """Rows of a text, and their line numbers."""
     rows: list[list[float]] = []
     lines: list[int] = []
     order: list[int] = []

@@ -13,9 +13,9 @@ import numpy as np
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.scene import Beginning, InletRow, MovingWall, Outlet, Pour, Scene, Sizes, Stations
+from lammps_jump.scene import InitialState, InletRow, MovingWall, Outlet, Pour, Scene, Sizes, Stations
 from lammps_jump.scene.pressed import FaceStretch
-from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
+from lammps_jump.scene.scene import STABILITY_MEAN, WallWeight
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import channel, checks, derived, speeds, walls, ways_out
@@ -56,7 +56,7 @@ at f = 0.05), 0.6 % with 4, while the largest overlap of an elastic collision at
 
 
 LAW = {"restitution", "friction", "correct_restitution", "rotation", "tangential_damping", "touch"}
-"""Fields of ``contact`` that the coefficients depend on as they stand."""
+"""Fields of ``contact`` that the coefficients depend on directly."""
 
 
 def contact_coefficients(
@@ -86,7 +86,7 @@ def contact_of(
 
 
 def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> contact.Coefficients:
-    """Contact coefficients with the step that suits the times asked for; the fraction of the case is its bound."""
+    """Contact coefficients with the step that suits the times requested; the fraction of the case is its bound."""
     fraction = case.run.time_step_fraction
     longest = contact_coefficients(case, integrator, sizes).time_step
     step = fitted_step(*_times(case), longest)
@@ -104,11 +104,11 @@ def build_scene(case: CaseFields, runs: Runs) -> Scene:
     Raises
     ------
     FieldError
-        Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
+        Where the numbers cannot make a scene: unstable step, discs that overlap or are in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain.
     """
     scene = _scene(case, runs)
-    return replace(scene, warnings=(*scene.warnings, *told)) if (told := jump_doubts(case, scene)) else scene
+    return replace(scene, warnings=(*scene.warnings, *texts)) if (texts := jump_doubts(case, scene)) else scene
 
 
 def _scene(case: CaseFields, runs: Runs) -> Scene:
@@ -159,8 +159,8 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         adapted=checks.adapted(case, begun, geometry.inlet.rows),
     )  # fmt: skip
     checks.check_time(case, scene)
-    told = held_deep(scene) + curve_doubts(case, scene)
-    return replace(scene, warnings=(*scene.warnings, *told)) if told else scene
+    texts = held_deep(scene) + curve_doubts(case, scene)
+    return replace(scene, warnings=(*scene.warnings, *texts)) if texts else scene
 
 
 class _Geometry(NamedTuple):
@@ -189,7 +189,7 @@ class _Geometry(NamedTuple):
     notes: list[str]
 
 
-def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
+def _geometry(case: CaseFields, begun: InitialState) -> _Geometry:
     """Inlet, walls with their contacts and motions, domain and outlets; each is checked by itself."""
     rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
     inlet = inlet_of(rows, begun, case.run.seed) if rows else Inlet()
@@ -212,7 +212,7 @@ def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
     return _Geometry(inlet, laws, moving, gates, domain, outlets, fields, names, notes)
 
 
-def _check_together(case: CaseFields, begun: Beginning, geometry: _Geometry) -> list[str]:
+def _check_together(case: CaseFields, begun: InitialState, geometry: _Geometry) -> list[str]:
     """Refuse what does not go together: discs, inlets and walls in each other's place; what to beware of there."""
     standing, rows, notes = (*geometry.walls, *geometry.gates), geometry.inlet.rows, []
     checks.check_in_domain(case, begun.positions, rows, geometry.domain)
@@ -230,17 +230,17 @@ def _check_together(case: CaseFields, begun: Beginning, geometry: _Geometry) -> 
 
 
 class _ActiveWalls(NamedTuple):
-    """Walls that the scene keeps: those that discs reach, and those whose forces are asked for."""
+    """Walls that the scene keeps: those that discs reach, and those whose forces are requested."""
 
     reached: list[MovingWall]
     kept: list[MovingWall]
     probes: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...]], ...]
-    weighed: tuple[tuple[str, Weighed], ...]
+    weighed: tuple[tuple[str, WallWeight], ...]
     pressed: tuple[FaceStretch, ...]
 
 
-def _foreseen(case: CaseFields, begun: Beginning, geometry: _Geometry, reached: Sequence[MovingWall]) -> list[str]:
+def _foreseen(case: CaseFields, begun: InitialState, geometry: _Geometry, reached: Sequence[MovingWall]) -> list[str]:
     """Warnings on walls (`reached` by discs), outlets, times and analyses."""
     rows, own = geometry.inlet.rows, list(geometry.fields)
     notes = ways_out.unguarded(case, begun, rows, geometry.walls, geometry.domain, geometry.outlets)
@@ -253,16 +253,16 @@ def _foreseen(case: CaseFields, begun: Beginning, geometry: _Geometry, reached: 
     return notes + behind_the_end(case) + small_bins(case, begun.largest)
 
 
-def _active_walls(case: CaseFields, begun: Beginning, geometry: _Geometry) -> _ActiveWalls:
-    """The walls that matter, and the forces that are asked for."""
+def _active_walls(case: CaseFields, begun: InitialState, geometry: _Geometry) -> _ActiveWalls:
+    """The walls that matter, and the forces that are requested."""
     probes = _probes(case, [wall.name for wall, _ in geometry.walls])
     groups = walls.groups(case, geometry.walls, geometry.names)
     weighed = walls.weighed(case, geometry.walls)
-    asked = {*probes, *(name for _, members in groups for name in members), *(name for name, _ in weighed)}
+    required = {*probes, *(name for _, members in groups for name in members), *(name for name, _ in weighed)}
     reached = [
         one for one in geometry.walls if walls.reachable(one, begun, geometry.domain) or is_live(case, one.wall.name)
     ]
-    kept = [one for one in geometry.walls if one in reached or one.wall.name in asked]
+    kept = [one for one in geometry.walls if one in reached or one.wall.name in required]
     there = (
         *kept,
         *(one for one in geometry.walls if one not in kept and one.wall.name in (case.probes.pressure or {})),
@@ -270,8 +270,8 @@ def _active_walls(case: CaseFields, begun: Beginning, geometry: _Geometry) -> _A
     return _ActiveWalls(reached, list(there), probes, groups, weighed, walls.pressed(case, there, geometry.domain))
 
 
-def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
-    """Fields of `Scene` on the touch of discs, beside the coefficients."""
+def _touch(case: CaseFields, begun: InitialState, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
+    """Fields of `Scene` on the touch of discs, other than the coefficients."""
     rubs = case.contact.friction > 0 or any(own.friction for own in laws.values())
     width, weight = TOUCH_STEPS * _stiffness(case)[1] * begun.time_step, begun.coefficients.mass * case.gravity
     law = case.contact.law_fields(rubs=rubs, width=width, weight=weight)
@@ -279,7 +279,7 @@ def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw])
     return {**law, "contact_output": listed}
 
 
-def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:
+def _own_laws(case: CaseFields, begun: InitialState, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:
     """Contacts of walls that have numbers of their own, by name."""
     stated = contact_of(case, _integrator(case), disc_sizes(case))
     return {
@@ -295,7 +295,7 @@ def _integrator(case: CaseFields) -> str:
     return "velocity_verlet" if FRICTION_LAWS[case.contact.friction_law].remembers else INTEGRATORS[case.engine.name]
 
 
-def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
+def _beginning(case: CaseFields, runs: Runs) -> tuple[InitialState, list[str]]:
     """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case)
     channel.check_fields(case)
@@ -314,7 +314,7 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     beds = beds_of(case.rough, case.seam, len(positions) + 1, sizes, case.discs.diameter)
     positions = np.concatenate([positions, beds.positions])
     velocities = np.concatenate([velocities, 0.0 * beds.positions])
-    return Beginning(
+    return InitialState(
         diameter=case.discs.diameter,
         sizes=beds.sizes,
         fixed=beds.fixed,
@@ -391,14 +391,14 @@ def _probes(case: CaseFields, names: list[str]) -> tuple[str, ...]:
 
 
 def _stations(
-    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
+    case: CaseFields, begun: InitialState, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
 ) -> Stations | None:
     """The stations of the energy ledger."""
-    asked = case.probes.stations
-    if asked is None:
+    station_pair = case.probes.stations
+    if station_pair is None:
         return None
     places = (*(row.x for row in inlets), *(line.at for line in outlets if line.axis == "x"))
     try:
-        return plan_stations(asked.x, asked.speed, asked.window, begun, places)
+        return plan_stations(station_pair.x, station_pair.speed, station_pair.window, begun, places)
     except ValueError as error:
         raise FieldError("probes.stations", f"{error}") from None

@@ -13,12 +13,12 @@ import numpy as np
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.bodies import section_of_polygon
-from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
+from lammps_jump.scene import Block, InitialState, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.chains import TX0, TY0, Point, boxes
 from lammps_jump.scene.meeting import stiffness_between
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.pressed import MOST_INTERVALS, FaceStretch, bins_of, gauge_of
-from lammps_jump.scene.scene import Weighed
+from lammps_jump.scene.scene import WallWeight
 from lammps_jump.scene.shapes import (
     ArcTo,
     PlaceError,
@@ -64,25 +64,25 @@ class CaseWall:
 
 
 def joined(case: CaseFields) -> tuple[CaseWall, ...]:
-    """The walls of a case, and behind them its bodies; lines of one join are one wall, in the place of the first."""
-    found: list[CaseWall] = []
+    """The walls of a case, followed by its bodies; lines of one join are one wall, in the place of the first."""
+    walls: list[CaseWall] = []
     done: set[str] = set()
     for index, wall in enumerate(case.walls):
         if isinstance(wall, RoughBed):
             continue
         join = getattr(wall, "join", None)
         if join is None:
-            found.append(CaseWall(wall, f"walls.{index}"))
+            walls.append(CaseWall(wall, f"walls.{index}"))
         elif join not in done:
             done.add(join)
-            found.append(CaseWall(_joined(case, join), f"walls.{index}"))
-    found += [CaseWall(body.wall(), f"bodies.{index}", body) for index, body in enumerate(case.bodies)]
-    for index, item in enumerate(found):
-        if item.wall.name in [other.wall.name for other in found[:index]]:
+            walls.append(CaseWall(_joined(case, join), f"walls.{index}"))
+    walls += [CaseWall(body.wall(), f"bodies.{index}", body) for index, body in enumerate(case.bodies)]
+    for index, item in enumerate(walls):
+        if item.wall.name in [other.wall.name for other in walls[:index]]:
             raise FieldError(
                 f"{item.field}.join", f"another wall is called '{item.wall.name}'; give the join another name"
             )
-    return tuple(found)
+    return tuple(walls)
 
 
 def _joined(case: CaseFields, join: str) -> Line:
@@ -149,16 +149,16 @@ def _unjoined(
 
 def lifted(case: CaseFields) -> tuple[CaseWall, ...]:
     """Gates that rise from t = 0 on: sheets over the height of their columns."""
-    found = []
+    walls = []
     for index, item in enumerate(case.initial):
         if isinstance(item, Column) and not isinstance(item.gate, bool):
             height = item.y[1] - item.y[0]
             time = item.gate.time(height)
             wall = Block(gate_name(index), (item.x[1], item.x[1]), item.y)
-            found.append(
+            walls.append(
                 CaseWall(replace(wall, motion=Translate((0.0, height / time), until=time)), f"initial.{index}.gate")
             )
-    return tuple(found)
+    return tuple(walls)
 
 
 def gate_name(index: int) -> str:
@@ -166,7 +166,7 @@ def gate_name(index: int) -> str:
     return f"gate_{index}" if index else "gate"
 
 
-def shut_gates(case: CaseFields, begun: Beginning, domain: tuple[Interval, Interval]) -> tuple[MovingWall, ...]:
+def shut_gates(case: CaseFields, begun: InitialState, domain: tuple[Interval, Interval]) -> tuple[MovingWall, ...]:
     """Gates that vanish at t = 0. A gate with discs beyond it is a block without thickness, which both sides feel."""
     gates = []
     for index, item in enumerate(case.initial):
@@ -180,13 +180,13 @@ def shut_gates(case: CaseFields, begun: Beginning, domain: tuple[Interval, Inter
     return tuple(gates)
 
 
-def law_of(name: str, begun: Beginning, laws: Laws) -> contact.WallLaw:
+def law_of(name: str, begun: InitialState, laws: Laws) -> contact.WallLaw:
     """Contact with the wall of that name."""
     return laws.get(name, begun.coefficients.wall_law)
 
 
 def check_own_laws(
-    case: CaseFields, begun: Beginning, laws: Laws, walls: tuple[CaseWall, ...], integrator: str
+    case: CaseFields, begun: InitialState, laws: Laws, walls: tuple[CaseWall, ...], integrator: str
 ) -> list[str]:
     """Refuse a wall that is too stiff for the step, and friction without damping for discs of several sizes."""
     fraction, notes = case.run.time_step_fraction, []
@@ -222,7 +222,7 @@ def check_own_laws(
     return notes
 
 
-def moving(item: CaseWall, case: CaseFields, begun: Beginning, laws: Laws) -> MovingWall:
+def moving(item: CaseWall, case: CaseFields, begun: InitialState, laws: Laws) -> MovingWall:
     """A wall with its motion."""
     wall, kind = item.wall, item.wall.motion
     if item.body is not None:
@@ -239,7 +239,7 @@ def moving(item: CaseWall, case: CaseFields, begun: Beginning, laws: Laws) -> Mo
     return _gone_on(MovingWall(wall, Motion(inf, kind, about, ease, begun.settle_steps, begun.time_step)), begun)
 
 
-def _gone_on(one: MovingWall, begun: Beginning) -> MovingWall:
+def _gone_on(one: MovingWall, begun: InitialState) -> MovingWall:
     """A wall with what it has of an earlier run, in which it was released."""
     went = begun.earlier.walls.get(one.wall.name) if begun.earlier else None
     if went is None or one.motion.kind is None:
@@ -250,22 +250,22 @@ def _gone_on(one: MovingWall, begun: Beginning) -> MovingWall:
 
 def pushed(case: CaseFields) -> list[Pushable]:
     """Walls of a case whose pose is state: bodies, lids and tailgates."""
-    found = []
+    pushables = []
     for item in joined(case):
         body, motion = item.body, item.wall.motion
         if body is not None:
-            found.append(Pushable(item.wall, "free", body.hinge or body.section.centre, body.begin))
+            pushables.append(Pushable(item.wall, "free", body.hinge or body.section.centre, body.begin))
         elif isinstance(motion, (Loaded, Held)):
-            found.append(Pushable(item.wall, motion.kind, motion.about or item.wall.pivot_point, motion.begin))
-    return found
+            pushables.append(Pushable(item.wall, motion.kind, motion.about or item.wall.pivot_point, motion.begin))
+    return pushables
 
 
-def span(begun: Beginning | Scene) -> Interval:
+def span(begun: InitialState | Scene) -> Interval:
     """Times of the first and the last step, s."""
     return begun.time(0), begun.time(begun.steps)
 
 
-def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interval]) -> bool:
+def reachable(one: MovingWall, begun: InitialState, domain: tuple[Interval, Interval]) -> bool:
     """Tells whether any centre inside the domain can touch the wall, wherever it is on its way."""
     if one.motion.is_state:
         return True
@@ -295,8 +295,8 @@ def groups(case: CaseFields, moving: Sequence[MovingWall], taken: set[str]) -> t
     return tuple(case.probes.groups.items())
 
 
-def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, Weighed], ...]:
-    """Walls that are looked at as if they had a weight: those that stand, with an outline of some area."""
+def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, WallWeight], ...]:
+    """Walls that are looked at as if they had a weight: those at rest, with an outline of some area."""
     by_name = {one.wall.name: one for one in moving}
     for name in case.probes.stability or {}:
         place = f"probes.stability.{name}"
@@ -310,15 +310,15 @@ def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, 
             raise FieldError(place, f"wall '{name}' has no outline with an area; give a block or a polygon a weight")
         if not section_of_polygon(wall.outline((0.0, 0.0), (0.0, 0.0))[0]).area > 0:
             raise FieldError(place, f"wall '{name}' has no thickness, so that it weighs nothing; give it one")
-    found = (case.probes.stability or {}).items()
-    return tuple((name, Weighed(one.density, one.friction)) for name, one in found)
+    weights = (case.probes.stability or {}).items()
+    return tuple((name, WallWeight(one.density, one.friction)) for name, one in weights)
 
 
 SUNK, LIFTED = 0.5, 1.0
-"""Diameters by which the lowest corner of a wall with a weight may lie in or above what it stands on."""
+"""Diameters by which the lowest corner of a wall with a weight may lie in or above its support."""
 
 
-def weight_doubts(case: CaseFields, moving: Sequence[MovingWall], begun: Beginning) -> list[str]:
+def weight_doubts(case: CaseFields, moving: Sequence[MovingWall], begun: InitialState) -> list[str]:
     """Walls with a weight that are drawn into their floor or above it, and a moving mean that no run has."""
     notes, mean = [], case.probes.stability_mean
     if mean is not None and mean > case.run.duration:
@@ -352,26 +352,27 @@ def weight_doubts(case: CaseFields, moving: Sequence[MovingWall], begun: Beginni
 def pressed(
     case: CaseFields, moving: Sequence[MovingWall], domain: tuple[Interval, Interval]
 ) -> tuple[FaceStretch, ...]:
-    """Stretches of outlines whose pressure is asked for, in the order of the walls."""
-    by_name, asked = {one.wall.name: one.wall for one in moving}, case.probes.pressure or {}
-    for name, one in asked.items():
+    """Stretches of outlines whose pressure is requested, in the order of the walls."""
+    by_name, face_pressures = {one.wall.name: one.wall for one in moving}, case.probes.pressure or {}
+    for name, one in face_pressures.items():
         place = f"probes.pressure.{name}"
         require_wall(case, place, name, list(by_name))
         if one.bins is None and not one.points:
             raise FieldError(place, "asks for nothing; give it bins, or points")
         if len(by_name[name].chains()) != 1:
             raise FieldError(place, f"the outline of wall '{name}' has several parts; pressure is along one alone")
-    found = []
+    stretches = []
     for name, wall in by_name.items():
-        if name in asked:
-            one, room = asked[name], _room_along(wall, list(by_name.values()), domain)
-            found += bins_of(wall, one.bins, room) if one.bins else []
-            found += [gauge_of(wall, point, one.over * case.discs.diameter, room) for point in one.points]
-    if len(found) > MOST_INTERVALS:
+        if name in face_pressures:
+            one, room = face_pressures[name], _room_along(wall, list(by_name.values()), domain)
+            stretches += bins_of(wall, one.bins, room) if one.bins else []
+            stretches += [gauge_of(wall, point, one.over * case.discs.diameter, room) for point in one.points]
+    if len(stretches) > MOST_INTERVALS:
         raise FieldError(
-            "probes.pressure", f"{len(found)} bins and gauges are asked for; allowed are {MOST_INTERVALS}: take fewer"
+            "probes.pressure",
+            f"{len(stretches)} bins and gauges are asked for; allowed are {MOST_INTERVALS}: take fewer",
         )
-    return tuple(found)
+    return tuple(stretches)
 
 
 def _room_along(wall: Wall, walls: Sequence[Wall], domain: tuple[Interval, Interval]) -> Interval | None:
@@ -418,34 +419,34 @@ def check_bends(walls: tuple[CaseWall, ...], largest: float) -> None:
                 )
 
 
-def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
+def wall_doubts(walls: Sequence[MovingWall], begun: InitialState, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
-    found = [text for one in walls for text in _doubts_of(one, begun, laws, inlets)]
+    sentences = [text for one in walls for text in _doubts_of(one, begun, laws, inlets)]
     for first, second in pairs_that_may_touch([one.wall.faces for one in walls]):
         one, two = walls[first].wall, walls[second].wall
         if one.motion != two.motion:
             continue
         if at := flush(one.faces, two.faces):
-            found.append(
+            sentences.append(
                 f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:zg}, {at[1]:zg}) m: a disc there "
                 "feels both, up to twice the force; make them one wall"
                 + (", or give both the same join" if open_ends(one.faces) and open_ends(two.faces) else "")
             )
         elif at := over_each_other(one.faces, two.faces):
-            found.append(
+            sentences.append(
                 f"walls '{one.name}' and '{two.name}' lie flush on each other at ({at[0]:zg}, {at[1]:zg}) m: a disc "
                 "there feels both, twice the force; let one of them end there, or make them one wall"
             )
-    return found + _gap_doubts([one.wall for one in walls], begun.smallest)
+    return sentences + _gap_doubts([one.wall for one in walls], begun.smallest)
 
 
-def _doubts_of(one: MovingWall, begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
+def _doubts_of(one: MovingWall, begun: InitialState, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on one wall."""
-    found = _speed_doubt(one, begun, laws) + _bend_doubt(one.wall, begun.largest)
-    return found + _behind_doubt(one.wall, begun, inlets)
+    sentences = _speed_doubt(one, begun, laws) + _bend_doubt(one.wall, begun.largest)
+    return sentences + _behind_doubt(one.wall, begun, inlets)
 
 
-def _behind_doubt(wall: Wall, begun: Beginning, inlets: Sequence[InletRow]) -> list[str]:
+def _behind_doubt(wall: Wall, begun: InitialState, inlets: Sequence[InletRow]) -> list[str]:
     """A line that pushes no disc, because all start behind it: it may run the wrong way."""
     places = np.array([*begun.positions, *((row.x, row.y) for row in inlets)]).reshape(-1, 2)
     if not len(places) or not open_ends(wall.faces) or (wall.distance(*places.T) > -begun.smallest / 2).any():
@@ -456,7 +457,7 @@ def _behind_doubt(wall: Wall, begun: Beginning, inlets: Sequence[InletRow]) -> l
     ]
 
 
-def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
+def _speed_doubt(one: MovingWall, begun: InitialState, laws: Laws) -> list[str]:
     """Speed at which discs may pass through a moving wall."""
     wall, speed = one.wall, largest_speed(one, *span(begun))
     omega = contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
@@ -473,10 +474,10 @@ def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
 
 def _bend_doubt(wall: Wall, largest: float) -> list[str]:
     """A line of short pieces that bends towards the discs nearly as tightly as the largest of them."""
-    found = tight_bend(wall.faces)
-    if found is None or found[0] >= TIGHTEST_LINE * largest / 2:
+    tightest = tight_bend(wall.faces)
+    if tightest is None or tightest[0] >= TIGHTEST_LINE * largest / 2:
         return []
-    radius, (x, y) = found
+    radius, (x, y) = tightest
     return [
         f"wall '{wall.name}' bends towards the discs with a radius of about {radius:z.3g} m at ({x:zg}, {y:zg}) "
         f"m; below {TIGHTEST_LINE:zg} radii of the largest disc ({TIGHTEST_LINE * largest / 2:z.3g} m) discs "
@@ -486,7 +487,7 @@ def _bend_doubt(wall: Wall, largest: float) -> list[str]:
 
 def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
     """Ends that nearly meet: no disc fits between them, and they are not joined."""
-    found, ends = [], [open_ends(wall.faces) for wall in walls]
+    sentences, ends = [], [open_ends(wall.faces) for wall in walls]
     corners = [vertices(wall.faces) for wall in walls]
     low = np.array([points.min(axis=0, initial=inf) for points in corners]).reshape(-1, 2) - smallest
     high = np.array([points.max(axis=0, initial=-inf) for points in corners]).reshape(-1, 2) + smallest
@@ -500,11 +501,11 @@ def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
             for what, points in places:
                 gap = np.hypot(*(points - (x, y)).T).min() if len(points) else inf
                 if SAME_END * max(1.0, abs(x), abs(y)) < gap < smallest:
-                    found.append(
+                    sentences.append(
                         f"an end of wall '{wall.name}' at ({x:zg}, {y:zg}) m is {gap:z.3g} m from {what}: too "
                         "little for a disc, and not closed; let them meet, or move them apart"
                     )
-    return found
+    return sentences
 
 
 def words_of_wall(one: MovingWall, scene: Scene) -> str:
@@ -528,7 +529,7 @@ def words_of_wall(one: MovingWall, scene: Scene) -> str:
     return "; ".join(parts)
 
 
-def own_overlap(begun: Beginning, laws: Laws) -> float:
+def own_overlap(begun: InitialState, laws: Laws) -> float:
     """Factor on the limit of overlaps: a softer wall lets discs in deeper, by the root of the stiffnesses."""
     softest = min((law.stiffness for law in laws.values()), default=inf)
     return max(1.0, sqrt(begun.coefficients.stiffness / softest))

@@ -14,7 +14,7 @@ from math import cos, inf, isfinite, radians, sqrt
 
 import numpy as np
 
-from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Outlet, Wall
+from lammps_jump.scene import InitialState, InletRow, Interval, MovingWall, Outlet, Wall
 from lammps_jump.scene.motion import largest_speed, way
 
 from .fields import CaseFields
@@ -40,12 +40,12 @@ Room = tuple[Interval, Interval]
 
 
 def unguarded(
-    case: CaseFields, begun: Beginning, inlets: Sequence[InletRow], walls: Sequence[MovingWall], domain: Room,
+    case: CaseFields, begun: InitialState, inlets: Sequence[InletRow], walls: Sequence[MovingWall], domain: Room,
     outlets: Sequence[Outlet],
 ) -> list[str]:  # fmt: skip
     """Sentences on edges of the domain that discs come to: one for each.
 
-    `walls` are all that stand or move, without gates that vanish at t = 0.
+    `walls` are all that are at rest or move, without gates that vanish at t = 0.
     """
     if not case.gravity or not (case.initial or case.inflow):
         return []
@@ -60,7 +60,7 @@ def unguarded(
     seeds = np.array([*begun.positions[: _loose(begun)], *((row.x, row.y) for row in inlets)]).reshape(-1, 2)
     if isinstance(case.inflow, PourInflow):
         seeds = np.vstack([seeds, [[np.mean(case.inflow.x), np.mean(case.inflow.y)]]])
-    found: dict[str, np.ndarray] = {}
+    by_edge: dict[str, np.ndarray] = {}
     swept = np.zeros(len(seeds), bool)
     for one in walls:
         if one.motion.kind is not None:
@@ -73,20 +73,20 @@ def unguarded(
             continue  # nothing moves
         before = there
         for edge, places in _edges(there, seeds[~swept] if step else seeds, room, begun, outlets).items():
-            found[edge] = np.concatenate([found.get(edge, np.empty(0)), places])
+            by_edge[edge] = np.concatenate([by_edge.get(edge, np.empty(0)), places])
     said = []
     for edge, at, name in (("left", left, "x_before"), ("right", right, "x_beyond")):
-        if edge in found and room[0][edge == "right"] == at and case.seam is None:
+        if edge in by_edge and room[0][edge == "right"] == at and case.seam is None:
             said.append(
                 f"discs come to the {edge} edge of the domain, x = {at:z.4g} m, where neither a wall nor an "
                 f"outflow is: one that is lost ends the run; add outflow: [{{{name}: …}}] before it, or a wall, "
                 "or widen domain.x"
             )
     time = sqrt(2 * max(0.0, highest - bottom) / (case.gravity * cos(radians(case.slope))))
-    if "bottom" in found and not any(one.axis == "y" and one.side == "below" for one in outlets):
+    if "bottom" in by_edge and not any(one.axis == "y" and one.side == "below" for one in outlets):
         if case.run.duration > 2 * time:
             said.append(
-                f"nothing holds discs {_spans(found['bottom'])} m: they fall to the lower edge of the "
+                f"nothing holds discs {_spans(by_edge['bottom'])} m: they fall to the lower edge of the "
                 f"domain, y = {bottom:z.4g} m, and one that is lost ends the run; add outflow: [{{y_below: …}}] above "
                 "it, or close the floor there"
             )
@@ -101,12 +101,12 @@ def _spans(places: np.ndarray) -> str:
     return ", ".join(parts[:MOST_SPANS]) + (", …" if len(parts) > MOST_SPANS else "")
 
 
-def _loose(begun: Beginning) -> int:
+def _loose(begun: InitialState) -> int:
     """Number of discs at the start that are not fixed."""
     return len(begun.positions) if begun.fixed is None else begun.fixed.first - 1
 
 
-def _reach(case: CaseFields, begun: Beginning, walls: Sequence[MovingWall], speed: float) -> Interval:
+def _reach(case: CaseFields, begun: InitialState, walls: Sequence[MovingWall], speed: float) -> Interval:
     """Places along x between which discs stay or may not come beyond in the time, m."""
     ends = [end for start in starts(case) for end in start.x]
     far = SLOW * speed * case.run.duration
@@ -132,7 +132,7 @@ def _reach(case: CaseFields, begun: Beginning, walls: Sequence[MovingWall], spee
 
 
 def _edges(
-    walls: Sequence[Wall], seeds: np.ndarray, room: Room, begun: Beginning, outlets: Sequence[Outlet]
+    walls: Sequence[Wall], seeds: np.ndarray, room: Room, begun: InitialState, outlets: Sequence[Outlet]
 ) -> dict[str, np.ndarray]:
     """Edges of a room that cells filled from `seeds` (n, 2) touch, with the places along x or y where they do, m."""
     (left, right), (bottom, top) = room
@@ -185,41 +185,41 @@ def _free_of(wall: Wall, grid: tuple[float, float, float, float, float], near: f
     left, right, bottom, top, cell = grid
     across, up = np.meshgrid(np.arange(left + 0.5 * cell, right, cell), np.arange(bottom + 0.5 * cell, top, cell))
     gap = wall.distance(across.ravel(), up.ravel())
-    found = (gap >= near) | ((gap <= -near) & (not wall.deep))
-    found.setflags(write=False)
-    return found
+    is_free = (gap >= near) | ((gap <= -near) & (not wall.deep))
+    is_free.setflags(write=False)
+    return is_free
 
 
 def _carried(solid: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Tells whether a wall lies below each cell of a column, upwards from the lowest, with only free cells between."""
-    found, ground = np.zeros_like(free), False
+    is_carried, ground = np.zeros_like(free), False
     for i in range(len(free)):
         ground = bool(solid[i]) or (ground and bool(free[i]))
-        found[i] = ground
-    return found
+        is_carried[i] = ground
+    return is_carried
 
 
 def unused(walls: Sequence[MovingWall], reached: Sequence[MovingWall], own: Sequence[str]) -> list[str]:
     """Sentences on walls of the case, `own`, that no disc can touch: outside the domain, or within another wall."""
-    found = []
+    sentences = []
     names = {one.wall.name for one in reached}
     for one in walls:
         if one.wall.name not in own:
             continue
         if one.wall.name not in names:
-            found.append(
+            sentences.append(
                 f"wall '{one.wall.name}' is outside the domain, so that no disc can touch it; move it, or widen domain"
             )
         elif other := _holds(one, walls):
-            found.append(
+            sentences.append(
                 f"wall '{one.wall.name}' lies within wall '{other}', so that no disc can touch it; let it stick out or "
                 "drop it"
             )
-    return found
+    return sentences
 
 
 def _holds(one: MovingWall, walls: Sequence[MovingWall]) -> str | None:
-    """Name of a wall that stands and holds all of another one."""
+    """Name of a wall at rest that holds all of another one."""
     if one.motion.kind is not None or not one.wall.finite:
         return None
     corners = np.concatenate(one.wall.outline(*one.wall.extent))

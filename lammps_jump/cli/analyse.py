@@ -29,7 +29,7 @@ Arrows = Annotated[
 
 
 def looking(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with an option for each analysis that a bare dump can be asked for; it gets their names."""
+    """The command with an option for each analysis available for a bare dump; it gets their names."""
     asks = {one.option or name: name for name, one in LISTED.items() if one.look}
 
     @wraps(command)
@@ -197,8 +197,8 @@ def compare(
         with log_printed(quiet=False):
             if columns is None:
                 raise CaseError(f"{second}: say with --columns which column is what, such as time=t,gauges.depth_5=h")
-            found, folder = studies.compare_with_data(first, second, columns, out)
-            print(studies.own_data.page(found, first, second))
+            distances, folder = studies.compare_with_data(first, second, columns, out)
+            print(studies.own_data.page(distances, first, second))
             print(folder)
         return
     path = out or Path(f"{first.absolute().name}_and_{second.absolute().name}.html")

@@ -87,12 +87,12 @@ def diameters(given: str) -> float | dict[int, float]:
 def places(given: str) -> tuple[float, ...]:
     """Two or more places along x, m: ``2,8.5`` or ``2 m, 850 cm``."""
     try:
-        found = tuple(float(to_si(part, "m")) for part in given.split(","))
+        coordinates = tuple(float(to_si(part, "m")) for part in given.split(","))
     except ValueError as error:
         raise typer.BadParameter(f"{error}; write two places or more, such as 2,8.5,17") from None
-    if len(found) < 2:
+    if len(coordinates) < 2:
         raise typer.BadParameter(f"{given}: one place; write two or more, such as 2,8.5,17")
-    return found
+    return coordinates
 
 
 def plane_of(given: str) -> tuple[str, float]:

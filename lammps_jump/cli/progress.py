@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Progress of a run on the screen: simulated time, discs in play, speed, time left; then what it found."""
+"""Progress of a run on the screen: simulated time, discs in play, speed, time left; then its results."""
 
 from __future__ import annotations
 
@@ -182,18 +182,18 @@ WIDEST = 100
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = False) -> None:
-    """Prints the result of a run or a bare dump: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
+    """Prints the result of a run or a bare dump: on a terminal `ending`; in a pipe, or on request, all numbers."""
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
-        found = analysis.tables.rows_of([summary])
+        rows = analysis.tables.rows_of([summary])
         about = analysis.tables.lines(summary)
-        about += [analysis.tables.sure(summary)] if found else []
-        about += filter(None, (row.reason() for row in found))
+        about += [analysis.tables.sure(summary)] if rows else []
+        about += filter(None, (row.reason() for row in rows))
         about += [f"doubtful: {text}" for text in analysis.verdicts.doubts(summary)]
         about += [_spent(summary)] if "discs" in summary else []
         said = analysis.verdicts.verdict(summary)
         place = folder if page.exists() else None
-        print("\n".join(ending(said, found, about, place, summary.get("warnings") or [])))
+        print("\n".join(ending(said, rows, about, place, summary.get("warnings") or [])))
         return
     for line in analysis.main_numbers(summary):
         print(line)
@@ -256,11 +256,11 @@ def ending(
     above = [*textwrap.wrap(said, wide), *(analysis.tables.table(rows, wide) if rows else [])]
     above += [line for text in about for line in textwrap.wrap(text, wide)]
     below = [f"page: {typed('show', folder)}"] if folder is not None else []
-    told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
-    if told and len(above) + len(told) + len(below) > MOST_LINES:
+    lines = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
+    if lines and len(above) + len(lines) + len(below) > MOST_LINES:
         count = f"{len(notes)} note{'s' * (len(notes) > 1)}"
-        told = [f"{count} on the page" if folder is not None else f"{count}: --verbose shows more"]
-    return [*above, *told, *below]
+        lines = [f"{count} on the page" if folder is not None else f"{count}: --verbose shows more"]
+    return [*above, *lines, *below]
 
 
 def _duration(seconds: float) -> str:

@@ -104,7 +104,7 @@ def run(
 def _run(
     case: lj.Case, folder: Path, *, quiet: bool, verbose: bool, live: bool = False, force: bool, resume: bool
 ) -> None:
-    """Run a case, show its progress by a line, with `live` also by pictures, and print what it found."""
+    """Runs a case, shows its progress by a line, with `live` also by pictures, and prints its results."""
     if live and case.fields.run.dump_format != "text":
         raise CaseError(
             f"--live needs text dumps, but run.dump_format is {case.fields.run.dump_format}; set it to text, or leave "

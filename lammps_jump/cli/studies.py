@@ -59,13 +59,13 @@ def sweep(
     if not (status or table or at):
         return run_sweep(study, out, jobs=jobs, retry=retry, quiet=quiet, verbose=verbose, **given)
     read = sweeps.read_study(study, **given)
-    found = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
+    sweep = sweeps.Sweep(read, out or sweeps.default_folder(study, read.case))
     if at:
-        submit(found, at, jobs=jobs, retry=retry)
+        submit(sweep, at, jobs=jobs, retry=retry)
     if status:
-        print(sweeps.slurm.status(found))
+        print(sweeps.slurm.status(sweep))
     if table:
-        show_markdown(sweeps.page.table_text(found))
+        show_markdown(sweeps.page.table_text(sweep))
     return None
 
 
@@ -76,11 +76,11 @@ def site_of(site: Path | None, slurm: bool) -> script.job.Site | None:
     return None if not slurm else script.job.read_site(site) if site else script.job.Site()
 
 
-def submit(found: sweeps.Sweep, at: script.job.Site, *, jobs: int | None, retry: bool = False) -> None:
+def submit(sweep: sweeps.Sweep, at: script.job.Site, *, jobs: int | None, retry: bool = False) -> None:
     """Submit what is left of a study, and print the number of its job."""
-    number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
-    done = f"nothing to submit: `{typed('sweep', found.folder)}` writes table and page"
-    print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")
+    number = sweeps.slurm.submit(sweep, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
+    done = f"nothing to submit: `{typed('sweep', sweep.folder)}` writes table and page"
+    print(f"{sweep.folder}: array job {number}" if number else f"{sweep.folder}: {done}")
 
 
 def study_fields(
@@ -112,21 +112,21 @@ def run_sweep(
     line = StudyLine(quiet=quiet)
     with options.log_printed(quiet):
         try:
-            found = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
+            sweep = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
         finally:
             line.finish()
     if quiet:
-        for failure in found.failed:
-            print(f"{sweeps.page.point_name(found.study, failure.point)}, member {failure.seed}: {failure.message}")
-    elif sys.stdout.isatty() and not verbose and not found.study.axes and found.runs:
-        about = [sweeps.page.interval(found), found.status()]
-        lines = ending(sweeps.page.verdict_of(found), found.rows, about, found.folder, sweeps.page.doubts(found))
+        for failure in sweep.failed:
+            print(f"{sweeps.page.point_name(sweep.study, failure.point)}, member {failure.seed}: {failure.message}")
+    elif sys.stdout.isatty() and not verbose and not sweep.study.axes and sweep.runs:
+        about = [sweeps.page.interval(sweep), sweep.status()]
+        lines = ending(sweeps.page.verdict_of(sweep), sweep.rows, about, sweep.folder, sweeps.page.doubts(sweep))
         print("\n".join(lines))
     else:
-        print(*(f"note: {text}\n" for text in sweeps.page.doubts(found)), sep="", end="")
-        show_markdown(sweeps.page.table_text(found))
-        print(f"{found.status()}\npage: {found.folder / 'sweep.html'}")
-    if found.failed:
+        print(*(f"note: {text}\n" for text in sweeps.page.doubts(sweep)), sep="", end="")
+        show_markdown(sweeps.page.table_text(sweep))
+        print(f"{sweep.status()}\npage: {sweep.folder / 'sweep.html'}")
+    if sweep.failed:
         raise typer.Exit(1)
 
 
@@ -228,9 +228,9 @@ def stress(
 ) -> None:
     """Test stability: limits of the step, hard and random scenes. Exit status 1 if a scene fails the test."""
     given: dict[str, Any] = {"quick": quick, "long": long, "random": random, "seed": seed}
-    found, _ = studies.points.run_named("stress", out, laws=place, fresh=fresh, say=options.sayer(quiet), **given)
-    if found["bad"]:
-        print("\n".join(["ended badly:", *found["bad"]]))
+    result, _ = studies.points.run_named("stress", out, laws=place, fresh=fresh, say=options.sayer(quiet), **given)
+    if result["bad"]:
+        print("\n".join(["ended badly:", *result["bad"]]))
         raise typer.Exit(1)
     print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
 
@@ -260,8 +260,8 @@ def budget(
     how = {"by": by, "starts": starts, "each": each, "joint": joint}
     given: dict[str, Any] = {name: value for name, value in how.items() if value is not None}
     read = lj.load_case(case, set_)
-    found = studies.budget.budget(read, of, out, fresh=fresh, say=options.sayer(quiet), **given)
-    print(found["verdict"])
+    result = studies.budget.budget(read, of, out, fresh=fresh, say=options.sayer(quiet), **given)
+    print(result["verdict"])
     print(f"page: {(out or studies.budget.default_folder(read, of)) / studies.budget.PAGE}")
 
 
@@ -320,12 +320,12 @@ def calibrate(
         return print(f"array job {number}" if number else "nothing to submit: the same command without --slurm goes on")
     line = CalibrationLine(quiet=quiet)
     try:
-        found = lj.calibrate(study, out=out, jobs=jobs, retry=retry, progress=line, **given)
+        calibrated = lj.calibrate(study, out=out, jobs=jobs, retry=retry, progress=line, **given)
     finally:
         line.finish()
-    print(*(found.verdict, *(f"note: {text}" for text in found.notes)), sep="\n")
-    print(f"page: {found.folder / calibration.page.PAGE}")
-    if not found.data["targets"]:
+    print(*(calibrated.verdict, *(f"note: {text}" for text in calibrated.notes)), sep="\n")
+    print(f"page: {calibrated.folder / calibration.page.PAGE}")
+    if not calibrated.data["targets"]:
         raise typer.Exit(1)
     return None
 
@@ -353,18 +353,18 @@ def find(
     set_: options.Sets = None,
     quiet: options.QuietStudy = False,
 ) -> None:
-    """Find the value of a number at which a result comes to what is asked. Continues where it stopped."""
+    """Find the value of a number at which a result meets a given target. Continues where it stopped."""
     given: dict[str, Any] = {"set": dict(map(sweeps.parse_set, set_ or ()))}
     given |= {"vary": dict([calibration.parse_vary(vary)]) if vary else None, "until": until, "seed": seed}
     given |= {"share": share}
     line = StudyLine(quiet=quiet)
     try:
-        found = sweeps.find(study, out=out, members=members, budget=budget, jobs=jobs, progress=line, **given)
+        answer = sweeps.find(study, out=out, members=members, budget=budget, jobs=jobs, progress=line, **given)
     finally:
         line.finish()
-    print(found["verdict"], *(f"note: {text}" for text in found["notes"]), sep="\n")
+    print(answer["verdict"], *(f"note: {text}" for text in answer["notes"]), sep="\n")
     print(f"page: {(out or _found_in(study)) / 'find.html'}")
-    if not found["held"]:
+    if not answer["held"]:
         raise typer.Exit(1)
 
 
@@ -391,5 +391,5 @@ def fluid(
     """Viscosity, yield and speed of sound of the discs of a case; Reynolds and Mach number of its flow."""
     read = lj.load_case(case, set_)
     study, say = studies.fluid.fluid, options.sayer(quiet)
-    found = study(read, out, quick=quick, fresh=fresh, depth=depth, speed=speed, say=say)
-    show_markdown(found["text"])
+    result = study(read, out, quick=quick, fresh=fresh, depth=depth, speed=speed, say=say)
+    show_markdown(result["text"])

@@ -139,16 +139,16 @@ def check(
     read = lj.load_case if pilot else cases.load_case  # a case that can be run loads pages and pictures
     loaded = read(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
-    found = resolved.check()
-    found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
+    derived = resolved.check()
+    derived = replace(derived, scene=replace(derived.scene, warnings=(*derived.warnings, *chosen)))
     measured = studies.fluid.stored(resolved)
     time, powers = foretold(loaded, of or (), within, pilot)
     if as_json:
-        data = found.as_data() | ({"fluid": files.plain(measured)} if measured else {})
+        data = derived.as_data() | ({"fluid": files.plain(measured)} if measured else {})
         data |= files.plain(runs.known.as_data(time, powers))
         print(json.dumps(data, indent=2, allow_nan=False))
     else:
-        print(found, *([studies.fluid.flow_numbers_in_words(measured)] if measured else []), sep="\n\n")
+        print(derived, *([studies.fluid.flow_numbers_in_words(measured)] if measured else []), sep="\n\n")
         print(
             "", "before it is run, by what is known on this machine", *(f"  {one}" for one in (time, *powers)), sep="\n"
         )
@@ -159,7 +159,7 @@ def check(
 
 def foretold(
     case: cases.ReadCase, of: Sequence[str], within: str, pilot: int | None
-) -> tuple[runs.known.RunTime, list[runs.known.Power]]:
+) -> tuple[runs.known.RunTime, list[runs.known.StartsNeeded]]:
     """Time of a run, and starts that numbers will take; `pilot` starts are run for those of which none are known."""
     share = parse_accuracy(within)
     for path in of:
@@ -213,12 +213,12 @@ def import_(
     choice = drawings.LayerChoice(names, tuple(reverse or ()), tuple(inside or ()), tuple(sheet or ()))
     with bounded(str(drawing), "draw what are walls alone, or export it anew"):
         taken = drawings.read_drawing(drawing, scale=scale, shift=shift, along=along)
-        found = drawings.entries(taken, choice)
-        text, doubts = drawings.yaml_text(found), drawings.doubts(found, max(taken.extent()))
+        entries = drawings.entries(taken, choice)
+        text, doubts = drawings.yaml_text(entries), drawings.doubts(entries, max(taken.extent()))
     if into is None:
         print(f"walls:\n{text}", end="")
     else:
-        drawings.write_into(into, found)
+        drawings.write_into(into, entries)
         print(text, end="")
         print(f"added to {into}: `{typed('preview', into)}` draws it", file=sys.stderr)
     for note in (*taken.notes, *doubts):
@@ -246,18 +246,18 @@ def live_(
 ) -> None:
     """Write a page in which the flow runs in the browser, with sliders for what `live` of the case names; no server."""
     case = cases.load_case(target, assignments(set_))
-    core.browser_core()  # what is lacking is told before any work
+    core.browser_core()  # what is lacking is reported before any work
     path = out or Path(f"{case.name}_live.html")
-    told, moments = partial(print, file=sys.stderr), [moment_of(one) for one in begin or []]
+    tell, moments = partial(print, file=sys.stderr), [moment_of(one) for one in begin or []]
     if report:
         if not moments or out or set_:
             raise typer.BadParameter("--report: goes with the folder of a run and --from TIME, without --out and --set")
         run = lj.open_run(target)
-        starts = live.from_times(case, target, moments, told)
+        starts = live.from_times(case, target, moments, tell)
         print(run.report(live=live.live_part(target, starts)))
     else:
         live.require_place(path)
-        starts = live.from_times(case, target, moments, told) or live.with_fewer(case, live.prepare(case, told))
+        starts = live.from_times(case, target, moments, tell) or live.with_fewer(case, live.prepare(case, tell))
         recorded = live.recorded_run(target) if moments else None
         print(live.write_page(starts, path, live.run_again(target) if target.is_dir() else "", recorded))
     for note in starts[0].flow.notes:
@@ -301,10 +301,10 @@ def kernels_build(
     force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
 ) -> None:
     """Build the plugin for LAMMPS and the core into the cache, for administrators and job files; prints their paths."""
-    found = compiling.build_all(engines.plugin.PRODUCTS, force=force, tell=partial(print, file=sys.stderr))
-    print(*(path for path in found if isinstance(path, Path)), sep="\n")
-    print(*(reason for reason in found if isinstance(reason, str)), sep="\n", end="", file=sys.stderr)
-    if not all(isinstance(path, Path) for path in found):
+    outcomes = compiling.build_all(engines.plugin.PRODUCTS, force=force, tell=partial(print, file=sys.stderr))
+    print(*(path for path in outcomes if isinstance(path, Path)), sep="\n")
+    print(*(reason for reason in outcomes if isinstance(reason, str)), sep="\n", end="", file=sys.stderr)
+    if not all(isinstance(path, Path) for path in outcomes):
         raise typer.Exit(1)
 
 

@@ -256,9 +256,9 @@ def availability(product: Product) -> Status:
     except SetupError as error:
         carried, library, without = None, None, str(error)
     if carried is not None and library is not None:
-        found = library if is_whole(library, product.is_made) else None
-        where = f"kept in {library}" if found else "will be tried and kept on first use"
-        return Status(True, f"carried by the package, built for {carried.level}: {where}", found)
+        path = library if is_whole(library, product.is_made) else None
+        where = f"kept in {library}" if path else "will be tried and kept on first use"
+        return Status(True, f"carried by the package, built for {carried.level}: {where}", path)
     try:
         recipe = _recipe(product)
     except SetupError as error:

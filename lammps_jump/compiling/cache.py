@@ -46,9 +46,9 @@ def open_to_others(*files: Path) -> Path | None:
     """First file or folder on the way to some files that another user owns or may change (`require_own`), or None."""
     for path in dict.fromkeys(place for file in files for place in _way(file)):
         with suppress(OSError):  # not there yet
-            found, itself = path.stat(), path.lstat()
-            shared = stat.S_ISDIR(found.st_mode) and found.st_mode & stat.S_ISVTX
-            if not {found.st_uid, itself.st_uid} <= {os.getuid(), 0} or (found.st_mode & 0o022 and not shared):
+            status, itself = path.stat(), path.lstat()
+            shared = stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX
+            if not {status.st_uid, itself.st_uid} <= {os.getuid(), 0} or (status.st_mode & 0o022 and not shared):
                 return path
     return None
 
@@ -65,7 +65,7 @@ def _way(file: Path, links: int = MOST_LINKS) -> Iterator[Path]:
 
 
 def _home() -> Path | None:
-    """Home folder of this user in the system's list of users, or None. HOME is not asked: others may set it."""
+    """Home folder of this user in the system's list of users, or None. HOME is not used: others may set it."""
     with suppress(KeyError):
         home = Path(pwd.getpwuid(os.getuid()).pw_dir)
         return home if home.is_dir() else None
@@ -177,7 +177,7 @@ def write(code: Path, made: Made) -> None:
 
 
 def forget_old(used: Sequence[Path], most: int = MOST_OBJECTS) -> None:
-    """Delete the entries beside these files of code that were used longest ago, but for the `most` used last.
+    """Deletes the entries next to these files of code that were used longest ago, but for the `most` used last.
 
     Files of other names stay, and so does the folder that holds them. An entry that another process has just made or
     used is among the last.
@@ -186,7 +186,7 @@ def forget_old(used: Sequence[Path], most: int = MOST_OBJECTS) -> None:
         for code in used:
             os.utime(record_of(code))
         entries = [entry for entry in used[0].parent.parent.iterdir() if not entry.is_symlink() and entry.is_dir()]
-        dated = sorted((found.stat().st_mtime, found) for entry in entries if (found := entry / RECORD).is_file())
+        dated = sorted((path.stat().st_mtime, path) for entry in entries if (path := entry / RECORD).is_file())
         for _, record in dated[: max(0, len(dated) - most)]:
             with suppress(OSError):
                 # the record goes first: without it nothing counts

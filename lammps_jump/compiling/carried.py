@@ -79,11 +79,11 @@ def processor_flags() -> frozenset[str]:
 def fitting(product: Product) -> tuple[Carried | None, str]:
     """The best library of the wheel for this machine, or None and the reason; looks, loads nothing."""
     folder = carried_folder(product)
-    found = [level for level in product.levels if (folder / level / product.library).is_file()]
-    if not found:
+    levels = [level for level in product.levels if (folder / level / product.library).is_file()]
+    if not levels:
         return None, "the package carries no built library"
     here, reason = needs(product), ""
-    for level in found:
+    for level in levels:
         library = folder / level / product.library
         try:
             record = read_json(record_of(library))

@@ -32,8 +32,8 @@ def find_compiler() -> tuple[str, ...] | None:
     """The C++ compiler as a command (CXX, c++, g++, clang++), or None."""
     named = shlex.split(os.environ.get("CXX", ""))
     for name, *words in [named] if named else ([name] for name in COMPILERS):
-        if found := shutil.which(name):
-            return (found, *words)
+        if program := shutil.which(name):
+            return (program, *words)
     return None
 
 
@@ -93,8 +93,8 @@ def run_compiler(command: list[str], product: Path, title: str, version: str) ->
 def processor() -> str:
     """Name and abilities of the processor, as far as the system tells."""
     lines = processor_lines()
-    told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
-    return json.dumps([platform.system(), platform.machine(), *(sorted(told) or [platform.processor()])])
+    properties = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
+    return json.dumps([platform.system(), platform.machine(), *(sorted(properties) or [platform.processor()])])
 
 
 # --- systems for which libraries are built, and wheels are made: this one, and others by the compiler of zig ----------

@@ -79,7 +79,7 @@ class Wheel:
     ----------
     package : str
     header : str
-        One of its headers, by the end of its path; the others lie beside it.
+        One of its headers, by the end of its path; the others are in the same folder.
     library : str
         What must be loaded before a library that was built with it.
     missing : str
@@ -170,17 +170,17 @@ class Product:
 
     def included(self, unit: tuple[str, ...]) -> dict[str, bytes]:
         """All files of this project that a unit is made of, by name and folder: its own, and what they include."""
-        found: dict[Path, bytes] = {}
+        contents: dict[Path, bytes] = {}
         waiting = [self.folder / name for name in unit]
         while waiting:
             path = waiting.pop()
-            if path in found:
+            if path in contents:
                 continue
-            found[path] = read_file(path, MOST_TEXT)
-            for name in _INCLUDE.findall(found[path]):
+            contents[path] = read_file(path, MOST_TEXT)
+            for name in _INCLUDE.findall(contents[path]):
                 places = (folder / name.decode() for folder in (path.parent, self.folder, *self.also))
                 waiting += [place for place in places if place.is_file()][:1]  # others are the wheels'
-        return {f"{path.parent.name}/{path.name}": found[path] for path in sorted(found)}
+        return {f"{path.parent.name}/{path.name}": contents[path] for path in sorted(contents)}
 
     def versions(self) -> dict[str, str]:
         """Versions of the wheels that a build includes."""

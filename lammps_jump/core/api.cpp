@@ -16,7 +16,7 @@ JUMP_API int64_t jump_core_version() { return jump::VERSION; }
 using jump_law = jump::LawNumbers;
 JUMP_SIZE(jump_law)
 
-// Names of the numbers of a law in their order, each with a space behind it.
+// Names of the numbers of a law in their order, each followed by a space.
 JUMP_API const char *jump_law_fields()
 {
 #define JUMP_NAME(name) #name " "

@@ -12,7 +12,7 @@
 #define JUMP_SIZE(name) \
   JUMP_API int64_t name##_size() { return sizeof(name); }
 
-// An entry of many arguments takes one struct, `<entry>_input`, whose fields stand in one list: FIELD(type, name) for each.
+// An entry of many arguments takes one struct, `<entry>_input`, whose fields are in one list: FIELD(type, name) for each.
 // Python has the same names in the same order, and compares them before the first call; JUMP_LOCAL makes them variables.
 #define JUMP_FIELD(type, name) type name;
 #define JUMP_FIELD_NAME(type, name) #name " "

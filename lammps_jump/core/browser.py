@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The core for browsers: WebAssembly with vectors, compiled by `make wasm`, and carried by wheels beside the sources.
+"""The core for browsers: WebAssembly with vectors, compiled by `make wasm`, and part of wheels like the sources.
 
     python -m lammps_jump.core.browser
 
-It exports what stepping needs. A record beside it names the sources, the compiler and the hash of the code.
+It exports what stepping needs. A record next to it names the sources, the compiler and the hash of the code.
 """
 
 from __future__ import annotations
@@ -56,21 +56,21 @@ def browser_core() -> BrowserCore:
     """
     try:
         record, code = read_json(RECORD), read_file(CODE, MOST_CODE)
-        found = BrowserCore(code, record["sha256"], record["compiler"])
+        core = BrowserCore(code, record["sha256"], record["compiler"])
         same = record["sources"] == CORE.sources()
     except FileNotFoundError:
         raise SetupError(f"the core for browsers is not there: {REMEDY}") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise SetupError(f"the core for browsers cannot be read ({error}): {REMEDY}") from None
-    if checksum(code) != found.sha256:
+    if checksum(code) != core.sha256:
         raise SetupError(f"the core for browsers, {CODE}, is damaged: {REMEDY}")
     if not same:
         raise SetupError(f"the core for browsers, {CODE}, is of other sources: {REMEDY}")
-    return found
+    return core
 
 
 def build() -> BrowserCore:
-    """Compile the core for browsers and write it beside its sources.
+    """Compiles the core for browsers and writes it next to its sources.
 
     Raises
     ------
@@ -97,10 +97,10 @@ def build() -> BrowserCore:
 
 def write(code: bytes) -> BrowserCore:
     """Write the core, and the record of what it is."""
-    found = BrowserCore(code, checksum(code), f"ziglang {ZIG}")
+    core = BrowserCore(code, checksum(code), f"ziglang {ZIG}")
     write_bytes(CODE, code)
-    write_json(RECORD, {"sources": CORE.sources(), "sha256": found.sha256, "compiler": found.compiler})
-    return found
+    write_json(RECORD, {"sources": CORE.sources(), "sha256": core.sha256, "compiler": core.compiler})
+    return core
 
 
 def _run(command: tuple[str, ...]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Columns of arrays that the core reads as structs, and numbers that stand for something, by their names.
+"""Columns of arrays that the core reads as structs, and numbers that represent something, by their names.
 
 The core has the same names (``api.cpp``). They are compared where it is loaded: `require_columns`.
 """
@@ -141,7 +141,7 @@ class TrackRowColumns(Columns):
 
 
 class WallMotion(IntEnum):
-    """Kind of motion of a wall: it stands; along a track; pushed by discs; at the speed that it is given; as a body."""
+    """Kind of motion of a wall: at rest; along a track; pushed by discs; at the speed that it is given; as a body."""
 
     STANDS = 0
     FOLLOWS = 1

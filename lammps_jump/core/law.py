@@ -58,5 +58,5 @@ class jump_law(Struct):
 
 
 def laws_of(*numbers: LawNumbers) -> Array[jump_law]:
-    """Numbers of several laws, one behind the other, as the core has them."""
+    """Numbers of several laws, one after the other, as the core has them."""
     return (jump_law * len(numbers))(*(jump_law(*one) for one in numbers))

@@ -60,9 +60,9 @@ def _loaded() -> tuple[ctypes.CDLL | None, str]:
     """The library, or None and why."""
     try:
         library = ctypes.CDLL(str(library_path(CORE)))
-        found = library.jump_core_version()
-        if found != VERSION:
-            return None, f"the core has version {found} of its interface, and {VERSION} is needed"
+        version = library.jump_core_version()
+        if version != VERSION:
+            return None, f"the core has version {version} of its interface, and {VERSION} is needed"
         library.jump_columns.restype = ctypes.c_char_p
         require_columns(library.jump_columns().decode())
     except (SetupError, OSError, AttributeError) as error:
@@ -114,13 +114,13 @@ def function(name: str, *kinds: Any, result: Any = None) -> Callable[..., Any]:
 
     @lru_cache(maxsize=1)
     def bound() -> Callable[..., Any]:
-        found = require_core(name)[name]  # each call makes an object of its own
-        found.argtypes, found.restype = kinds, result
+        bound_function = require_core(name)[name]  # each call makes an object of its own
+        bound_function.argtypes, bound_function.restype = kinds, result
         for kind in kinds:
             struct = getattr(kind, "_type_", None)
             if isinstance(struct, type) and issubclass(struct, Struct):
                 struct.check(require_core(name))
-        return found
+        return bound_function
 
     return lambda *arguments: bound()(*arguments)
 

@@ -60,7 +60,7 @@ class Affine(NamedTuple):
 
 
 def numbers(text: str) -> list[float]:
-    """Numbers between blanks or commas; ValueError where something else stands there."""
+    """Numbers between blanks or commas; ValueError where there is something else."""
     if NUMBERS.sub(" ", text).strip(" ,\t\r\n") or TWO_COMMAS.search(text):
         raise ValueError(f"{text[:60]!r} are no numbers")
     return [float(value) for value in NUMBERS.findall(text)]
@@ -68,18 +68,18 @@ def numbers(text: str) -> list[float]:
 
 def transform(text: str) -> Affine:
     """The map of an attribute ``transform``; ValueError for what is none."""
-    found, place, text = Affine(), 0, text.rstrip()
+    affine, place, text = Affine(), 0, text.rstrip()
     while place < len(text):
         single = SINGLE.match(text, place)
         values = numbers(re.sub(r"(?<=[\d.])(?:px|deg)\b", "", single[2])) if single else []
         counts, make = TRANSFORMS.get(single[1] if single else "", ((), None))
         if single is None or make is None or len(values) not in counts:
             raise ValueError(f"transform {text[place : place + 60]!r} is none")
-        found = found.after(make(values))
+        affine = affine.after(make(values))
         place = single.end()
-    if not all(map(isfinite, found)):
+    if not all(map(isfinite, affine)):
         raise ValueError(f"transform {text[:60]!r} is beyond all numbers")
-    return found
+    return affine
 
 
 def _rotation(values: Sequence[float]) -> Affine:
@@ -109,13 +109,13 @@ class ViewBox(NamedTuple):
 
     def onto(self, width: float, height: float, aspect: str) -> Affine:
         """The map onto a page of this size, by ``preserveAspectRatio`` (SVG 1.1, 7.8); ValueError for what is none."""
-        told = ASPECT.fullmatch(aspect or "xMidYMid")
-        if told is None:
+        match = ASPECT.fullmatch(aspect or "xMidYMid")
+        if match is None:
             raise ValueError(f"preserveAspectRatio {aspect[:60]!r} is none")
         sx, sy = width / self.width, height / self.height
-        if told[1]:
-            sx = sy = (max if told[3] == "slice" else min)(sx, sy)
-        across, up = (SHARES.get(part or "Min", 0.0) for part in (told[1], told[2]))
+        if match[1]:
+            sx = sy = (max if match[3] == "slice" else min)(sx, sy)
+        across, up = (SHARES.get(part or "Min", 0.0) for part in (match[1], match[2]))
         return Affine(
             sx, 0.0, 0.0, sy,
             across * (width - sx * self.width) - sx * self.x, up * (height - sy * self.height) - sy * self.y,
@@ -167,7 +167,7 @@ class Styles:
 
     @classmethod
     def of(cls, root: Element, file: str) -> Styles:
-        """Styles of a file. Rules that depend on where an element stands are not understood, and told."""
+        """Styles of a file. Rules that depend on where an element is are not understood, and are reported."""
         rules: list[Rule] = []
         unknown: list[str] = []
         for element in root.iter():
@@ -188,7 +188,7 @@ class Styles:
         CaseError
             More rules for the elements than are looked at.
         """
-        found = dict(element.attrib)
+        properties = dict(element.attrib)
         if self.rules:
             names = element.get("class", "").split()
             keys = {f"#{element.get('id', '')}", *(f".{name}" for name in names), kind, "*"}
@@ -204,9 +204,9 @@ class Styles:
                 if rule.classes <= classes and rule.id in ("", element.get("id")) and rule.kind in ("*", kind)
             ]  # fmt: skip
             for rule in sorted(fit):
-                found |= rule.sets
+                properties |= rule.sets
         own = declared(element.get("style", ""))
-        return found | {name: value for name, value in own.items() if name in SEEN}
+        return properties | {name: value for name, value in own.items() if name in SEEN}
 
     def notes(self) -> Iterator[str]:
         """Sentences on what is not understood."""
@@ -255,9 +255,9 @@ def declared(text: str) -> dict[str, str]:
 
 def style_of(parent: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
     """Style that an element and its parts inherit; ``shown`` is ``no`` where nothing is seen, whatever parts say."""
-    found = {name: given[name].strip() for name in INHERITED if given.get(name, "inherit").strip() != "inherit"}
+    style = {name: given[name].strip() for name in INHERITED if given.get(name, "inherit").strip() != "inherit"}
     gone = given.get("display", "").strip() == "none" or (
         bool(given.get("opacity", "").strip()) and NOTHING.fullmatch(given["opacity"].strip()) is not None
     )
     shown = "no" if gone or parent.get("shown") == "no" else "yes"
-    return {**parent, **found, "shown": shown}
+    return {**parent, **style, "shown": shown}

@@ -55,7 +55,7 @@ BINARY = b"AutoCAD Binary DXF"
 PARTS, OBJECTS = (
     re.compile(rb"(?m)^[ \t]*2[ \t]*\r?\n[ \t]*(?:%s)[ \t]*\r?$" % name) for name in (b"BLOCKS|ENTITIES", b"OBJECTS")
 )
-"""Begin of the sections that are drawn, and of the one behind them."""
+"""Begin of the sections that are drawn, and of the one after them."""
 CONTROL = 16
 """Flag of a vertex that a curve is drawn after, and does not run through."""
 MOST_TURNS = 40
@@ -85,10 +85,10 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
         ezdxf is not installed.
     """
     recover = importlib.import_module("ezdxf.recover")
-    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it mends is told as a note
+    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it mends is reported as a note
     _require_numbers(data, file)
     document, audit = recover.read(io.BytesIO(data))
-    told, unit = _unit(document.header.get("$INSUNITS", 0))
+    unit_note, unit = _unit(document.header.get("$INSUNITS", 0))
     reader = _DxfReader(document, file, measure.tolerance_in(unit), _Tools.of_ezdxf())
     reader.count_copies()
     for entity in document.modelspace():
@@ -97,7 +97,7 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     mended = [*audit.errors, *audit.fixes]
     if mended:
         notes.append(f"the file has {len(mended)} faults, the first: {shortened(str(mended[0].message))}")
-    return LayeredDrawing(file, unit, told, reader.found.layers(), tuple(notes))
+    return LayeredDrawing(file, unit, unit_note, reader.found.layers(), tuple(notes))
 
 
 def _require_numbers(data: bytes, file: str) -> None:
@@ -200,7 +200,7 @@ class _DxfReader:
         """Add an entity; one on layer 0 of a block lies on the layer where the block is inserted.
 
         `put` are the maps from the block to the drawing, the first one first. What is not read is not copied: a block
-        of a large hatch may stand in a drawing many times.
+        of a large hatch may occur in a drawing many times.
         """
         kind, layer = entity.dxftype(), entity.dxf.get("layer", "0")
         if inserted is not None and layer == "0":
@@ -323,7 +323,7 @@ class _DxfReader:
         self.high += len(set(heights)) > 1
 
     def _side(self, entity: Any, kind: str) -> int:
-        """1 for an entity that is seen from above, -1 from behind; 0 for one that stands upright and is left out."""
+        """1 for an entity that is seen from above, -1 from behind; 0 for one that is upright and is left out."""
         across = entity.dxf.get("extrusion", (0, 0, 1))
         if max(abs(across[0]), abs(across[1])) > FLAT:
             self.found.leave(f"{kind} that does not lie in the plane of the drawing")
@@ -331,7 +331,7 @@ class _DxfReader:
         return 1 if across[2] > 0 else -1
 
     def _ellipse(self, entity: Any) -> list[Point]:
-        """Points of an ellipse; none of one that stands upright."""
+        """Points of an ellipse; none of one that is upright."""
         if not self._side(entity, "ELLIPSE"):
             return []
         major, minor, centre = entity.dxf.major_axis, entity.minor_axis, entity.dxf.center
@@ -362,9 +362,9 @@ class _DxfReader:
             self.found.leave("SPLINE without length")
             return []
         self._see_heights(*(point.z for point in points))
-        found = [_xy(point) for point in points]
-        (x0, y0), (x1, y1) = found[0], found[-1]
-        return [*found[:-1], found[0]] if hypot(x0 - x1, y0 - y1) <= self.tolerance else found
+        corners = [_xy(point) for point in points]
+        (x0, y0), (x1, y1) = corners[0], corners[-1]
+        return [*corners[:-1], corners[0]] if hypot(x0 - x1, y0 - y1) <= self.tolerance else corners
 
     def _require_short(self, entity: Any) -> None:
         """CaseError for a spline whose points cost more than they number."""
@@ -397,20 +397,20 @@ class _DxfReader:
 
     def _halved(self, at: Callable[[float], _Place], part: tuple[float, float]) -> list[_Place]:
         """Points after the first of a part of a curve."""
-        found: list[_Place] = []
+        halves: list[_Place] = []
         parts = [(*part, 0)]
         while parts:
             begin, end, turns = parts.pop()
             start, stop = at(begin), at(end)
             off = max(_off(at(begin + way * (end - begin)), start, stop) for way in BETWEEN)
-            self.found.room(len(found))
+            self.found.room(len(halves))
             self.found.pieces(sqrt(off / self.tolerance))  # a chord half as long is off by a quarter
             if (turns and off <= self.tolerance) or turns >= MOST_TURNS:
-                found.append(stop)
+                halves.append(stop)
             else:
                 middle = 0.5 * (begin + end)
                 parts += [(middle, end, turns + 1), (begin, middle, turns + 1)]
-        return found
+        return halves
 
 
 def _de_boor(corners: Sequence[tuple[float, ...]], knots: Sequence[float], at: float) -> _Place:

@@ -120,11 +120,11 @@ def entries(drawing: LayeredDrawing, choice: LayerChoice | None = None) -> list[
             "join them in the drawing, or take the layers of walls alone (--layer)"
         )
     parts = (_of_layer(layer, choice, outlines, turned, size) for layer, outlines, turned in joined)
-    found = [replace(entry, chosen=bool(choice.names)) for part in parts for entry in part]
-    names = [entry.wall["name"] for entry in found]
+    entries = [replace(entry, chosen=bool(choice.names)) for part in parts for entry in part]
+    names = [entry.wall["name"] for entry in entries]
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise CaseError(f"{drawing.file}: two walls would be called '{twice[0]}'; name them by --layer LAYER=WALL")
-    return found
+    return entries
 
 
 def _of_layer(
@@ -139,17 +139,17 @@ def _of_layer(
             f"{LONGEST_NAME} of them"
         )
     count = len(outlines) + len(layer.rings)
-    found = []
+    entries = []
     for number, outline in enumerate(outlines, 1):
         own = name if count == 1 else f"{name}_{number}"
-        found.append(_outline(outline, own, (layer.name, size), choice, turned))
+        entries.append(_outline(outline, own, (layer.name, size), choice, turned))
     for number, ring in enumerate(layer.rings, len(outlines) + 1):
         own = name if count == 1 else f"{name}_{number}"
         where = "inside" if layer.name in choice.inside else "outside"
         wall = {"name": own, "kind": "circle", "centre": _rounded(ring.centre, size), "radius": _digits(ring.radius)}
         facts = (f"circle of radius {ring.radius:z.4g} m about {_place(ring.centre)}", f"discs {where}")
-        found.append(Entry(wall | ({"discs": where} if where == "inside" else {}), layer.name, facts))
-    return found
+        entries.append(Entry(wall | ({"discs": where} if where == "inside" else {}), layer.name, facts))
+    return entries
 
 
 def wall_name(layer: str) -> str:
@@ -168,7 +168,7 @@ def _partners(strokes: Sequence[FileStroke], same: float) -> dict[int, int]:
     points = np.array([point for stroke in strokes for point in (stroke.points[0], stroke.points[-1])])
     places, which, counts = np.unique(points, axis=0, return_inverse=True, return_counts=True)
     near = cKDTree(places).query(places, k=min(3, len(places)), distance_upper_bound=same)[1].reshape(len(places), -1)
-    others = np.where(near == np.arange(len(places))[:, None], len(places), near)  # a place is not beside itself
+    others = np.where(near == np.arange(len(places))[:, None], len(places), near)  # a place is not its own neighbour
     around = np.append(counts, 0)[others].sum(axis=1) + counts  # ends that meet there, itself among them
     ends: dict[int, list[int]] = {}
     for end, place in enumerate(which.ravel().tolist()):
@@ -193,7 +193,7 @@ def _joined(strokes: Sequence[FileStroke], same: float) -> tuple[list[FileStroke
     if not strokes:
         return [], 0
     partner = _partners(strokes, same)
-    used, found, turned = set[int](), [], 0
+    used, file_strokes, turned = set[int](), [], 0
     first_ends = [number for number in range(len(strokes)) if partner.get(2 * number, -1) < 0]
     open_first = set(first_ends)
     last_ends = [
@@ -215,8 +215,8 @@ def _joined(strokes: Sequence[FileStroke], same: float) -> tuple[list[FileStroke
             chain = [(stroke, not back) for stroke, back in reversed(chain)]
         turned += sum(back for _, back in chain)
         parts = [_turned(strokes[stroke]) if back else strokes[stroke] for stroke, back in chain]
-        found.append((first[0], _linked(parts)))
-    return [stroke for _, stroke in sorted(found, key=lambda item: item[0])], turned
+        file_strokes.append((first[0], _linked(parts)))
+    return [stroke for _, stroke in sorted(file_strokes, key=lambda item: item[0])], turned
 
 
 def _turned(stroke: FileStroke) -> FileStroke:
@@ -224,7 +224,7 @@ def _turned(stroke: FileStroke) -> FileStroke:
 
 
 def _linked(strokes: Sequence[FileStroke]) -> FileStroke:
-    """Strokes one behind the other as one."""
+    """Strokes one after the other as one."""
     points = [strokes[0].points[0], *(point for stroke in strokes for point in stroke.points[1:])]
     return FileStroke(tuple(points), tuple(bend for stroke in strokes for bend in stroke.bends))
 
@@ -318,18 +318,18 @@ def _rounded(point: Point, size: float) -> list[float]:
     return [0.0 if abs(value) <= ROUND * size else _digits(value) for value in point]
 
 
-def doubts(found: Sequence[Entry], size: float) -> list[str]:
+def doubts(entries: Sequence[Entry], size: float) -> list[str]:
     """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross or lie flush.
 
     The first of each; and layers that look like what is written on a drawing.
 
     Parameters
     ----------
-    found : sequence of Entry
+    entries : sequence of Entry
     size : float
         Of the drawing, m.
     """
-    whole = [entry for entry in found if not entry.doubts]
+    whole = [entry for entry in entries if not entry.doubts]
     walls = [entry.wall for entry in whole]
     made, crossed = [_wall(wall) for wall in walls], set[tuple[int, int]]()
 
@@ -342,8 +342,8 @@ def doubts(found: Sequence[Entry], size: float) -> list[str]:
         last = _some(told_of_crossings())
     except TooManyFaces as error:
         last = [f"not looked through for walls that cross: {error}"]
-    told = [*_some(text for entry in found for text in entry.doubts), *_some(_near_ends(walls, size)), *last]
-    return [*told, *_some(_flush(made, crossed, SAME * size)), *_some(_written(found))]
+    sentences = [*_some(text for entry in entries for text in entry.doubts), *_some(_near_ends(walls, size)), *last]
+    return [*sentences, *_some(_flush(made, crossed, SAME * size)), *_some(_written(entries))]
 
 
 def _flush(
@@ -351,9 +351,9 @@ def _flush(
 ) -> Iterator[str]:
     """Sentences on walls that go on as one, or that lie on each other, but for those that cross."""
     (x0, x1), (y0, y1) = np.moveaxis(np.array([wall.extent for wall in walls]).reshape(-1, 2, 2), 0, 2)
-    beside = (x0 <= x1[:, None] + near) & (y0 <= y1[:, None] + near)
+    is_close = (x0 <= x1[:, None] + near) & (y0 <= y1[:, None] + near)
     looked = 0
-    for one, two in np.argwhere(np.triu(beside & beside.T, 1)).tolist():
+    for one, two in np.argwhere(np.triu(is_close & is_close.T, 1)).tolist():
         if (one, two) in crossed:
             continue
         looked += len(walls[one].faces.codes) + len(walls[two].faces.codes)
@@ -389,24 +389,24 @@ def _near_ends(walls: Sequence[Mapping[str, Any]], size: float) -> Iterator[str]
                 yield f"{what}: its gap at {_place(a)} is {gap:z.3g} m"
 
 
-def _written(found: Sequence[Entry]) -> list[str]:
+def _written(entries: Sequence[Entry]) -> list[str]:
     """Sentences on layers that nobody has chosen and that look like dimensions, texts or axes.
 
-    By their names, or because most of a layer are single straight lines that stand apart.
+    By their names, or because most of a layer are separate single straight lines.
     """
-    told = []
-    for layer in dict.fromkeys(entry.layer for entry in found if not entry.chosen):
-        walls = [entry.wall for entry in found if entry.layer == layer]
+    sentences = []
+    for layer in dict.fromkeys(entry.layer for entry in entries if not entry.chosen):
+        walls = [entry.wall for entry in entries if entry.layer == layer]
         bare = [wall for wall in walls if wall["kind"] == "line" and len(wall["points"]) == 2 and "sheet" not in wall]
         apart = len(bare) >= LINES_APART and 2 * len(bare) > len(walls)
         if is_written(layer) or apart:
             look = "is named like" if is_written(layer) else f"holds {len(bare)} single lines apart, as do"
             names = ", ".join(wall["name"] for wall in walls[:3]) + (", ..." if len(walls) > 3 else "")
-            told.append(
+            sentences.append(
                 f"layer '{shortened(visible(layer))}' {look} dimensions, texts or axes, and became {names}: if it is "
                 "no wall, name the layers that are, --layer LAYER=WALL"
             )
-    return told
+    return sentences
 
 
 def _ends(wall: Mapping[str, Any]) -> tuple[Point, Point]:
@@ -415,10 +415,10 @@ def _ends(wall: Mapping[str, Any]) -> tuple[Point, Point]:
     return tuple(first), tuple(last["arc_to"] if isinstance(last, dict) else last)
 
 
-def yaml_text(found: Sequence[Entry], indent: str = "  ") -> str:
-    """Entries as items of the list ``walls`` of a case, each behind a comment that says what it is."""
+def yaml_text(entries: Sequence[Entry], indent: str = "  ") -> str:
+    """Entries as items of the list ``walls`` of a case, each after a comment that says what it is."""
     rows = []
-    for entry in found:
+    for entry in entries:
         rows.append(f"{indent}# {entry.wall['name']}, layer '{visible(entry.layer)}': {'; '.join(entry.facts)}")
         parts = [f"{key}: {flow(value)}" for key, value in entry.wall.items()]
         rows.append(f"{indent}- {{{', '.join(parts)}}}" if sum(map(len, parts)) < 100 else _long(parts, indent))
@@ -445,13 +445,13 @@ def flow(value: Any) -> str:
 
 
 MOST_COMPARED = 20_000_000
-"""Pairs of faces, beside each other along one axis, that are looked through."""
+"""Pairs of faces, next to each other along one axis, that are looked through."""
 MOST_CLOSE = 300_000
 """Pairs of faces whose boxes meet, that are held against each other."""
 
 
 class TooManyFaces(ValueError):
-    """Too many faces lie beside each other."""
+    """Too many faces lie next to each other."""
 
 
 def crossings(walls: Sequence[Sequence[Chain]], near: float) -> Iterator[tuple[int, int, Point]]:
@@ -470,8 +470,8 @@ def crossings(walls: Sequence[Sequence[Chain]], near: float) -> Iterator[tuple[i
     crossed: dict[tuple[int, int], Point] = {}
     for i, j in _close(faces, near):
         (one, a), (two, b) = faces[i], faces[j]
-        if (one, two) not in crossed and (found := _cross(a, b, near)):
-            crossed[one, two] = found
+        if (one, two) not in crossed and (crossing := _cross(a, b, near)):
+            crossed[one, two] = crossing
     yield from ((one, two, crossed[one, two]) for one, two in sorted(crossed))
 
 
@@ -490,22 +490,22 @@ def _close(faces: Sequence[tuple[int, Face]], near: float) -> Iterator[tuple[int
     box[:, [0, 2]] -= near
     box[:, [1, 3]] += near
     orders = []
-    for low in (0, 2):  # along x and along y: that in which fewer lie beside each other
+    for low in (0, 2):  # along x and along y: that in which fewer lie next to each other
         order = np.argsort(box[:, low], kind="stable")
         ends = np.searchsorted(box[order, low], box[order, low + 1], side="right")
         orders.append((int((ends - np.arange(len(order)) - 1).sum()), low, order, ends))
-    beside, low, order, ends = min(orders, key=lambda item: item[0])
-    if beside > MOST_COMPARED:
-        raise TooManyFaces(f"{beside:,} pairs of faces lie beside each other")
+    pair_count, low, order, ends = min(orders, key=lambda item: item[0])
+    if pair_count > MOST_COMPARED:
+        raise TooManyFaces(f"{pair_count:,} pairs of faces lie beside each other")
     other, count = 2 - low, 0
     for rank, i in enumerate(order):
         later = order[rank + 1 : ends[rank]]
         meet = (box[later, other] <= box[i, other + 1]) & (box[later, other + 1] >= box[i, other])
-        found = later[meet & (wall[later] != wall[i])]
-        count += len(found)
+        others = later[meet & (wall[later] != wall[i])]
+        count += len(others)
         if count > MOST_CLOSE:
             raise TooManyFaces(f"more than {MOST_CLOSE:,} pairs of faces lie close to each other")
-        for j in found.tolist():
+        for j in others.tolist():
             yield (int(i), j) if wall[i] < wall[j] else (j, int(i))
 
 

@@ -22,7 +22,7 @@ from lammps_jump.units import Point
 from .entries import Entry, flow, yaml_text
 
 DASH = re.compile("^( *)-", re.MULTILINE)
-"""The beginning of an item, and what stands before it."""
+"""The beginning of an item, and what comes before it."""
 DRAWN = {
     "wall line": ("walls", "line"),
     "wall block": ("walls", "block"),
@@ -36,7 +36,7 @@ MOST_TRIES = 5
 """Times that walls are added anew, at most, to a case that another program has changed meanwhile."""
 
 
-def write_into(path: Path, found: Sequence[Entry]) -> None:
+def write_into(path: Path, entries: Sequence[Entry]) -> None:
     """Add walls to a case file, whole or not at all; see `change_text`. Of a link, to the file that it leads to.
 
     What another program writes into the file meanwhile stays.
@@ -44,7 +44,7 @@ def write_into(path: Path, found: Sequence[Entry]) -> None:
     Raises
     ------
     CaseError
-        A file that is no case, walls that stand in brackets, a name that is taken, a case that is refused with them.
+        A file that is no case, walls that are in brackets, a name that is taken, a case that is refused with them.
     DumpError
         The file cannot be written, or another program changes it all the time.
     """
@@ -52,7 +52,7 @@ def write_into(path: Path, found: Sequence[Entry]) -> None:
     for _ in range(MOST_TRIES):
         before = read_text(place)
         cases.parse_case(before, str(path), folder=path.parent)
-        text = with_walls(before, found, str(path))
+        text = with_walls(before, entries, str(path))
         cases.parse_case(text, str(path), folder=path.parent)
         with writes(path, remedy="correct the permissions of file and folder"):
             if change_text(place, before, text) is not None:
@@ -60,8 +60,8 @@ def write_into(path: Path, found: Sequence[Entry]) -> None:
     raise DumpError(f"{path}: another program changes it all the time; nothing was added, import again once that ends")
 
 
-def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:
-    """The text of a case with further walls behind those that it has.
+def with_walls(text: str, entries: Sequence[Entry], file: str = "<case>") -> str:
+    """The text of a case with further walls after those that it has.
 
     Raises
     ------
@@ -69,13 +69,13 @@ def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:
         Walls or all fields in brackets, or a name that is taken.
     """
     taken = names_in(text)
-    for entry in found:
+    for entry in entries:
         if entry.wall["name"] in taken:
             raise CaseError(
                 f"{file}: there is a wall '{entry.wall['name']}' already; delete it there, or give another name by "
                 f"--layer '{entry.layer}'=NAME"
             )
-    return with_items(text, "walls", partial(yaml_text, found), file)
+    return with_items(text, "walls", partial(yaml_text, entries), file)
 
 
 def with_drawn(text: str, what: str, points: Sequence[Point], density: float, file: str = "<case>") -> str:
@@ -95,7 +95,7 @@ def with_drawn(text: str, what: str, points: Sequence[Point], density: float, fi
     Raises
     ------
     CaseError
-        A shape without width or height, or a list that stands in brackets.
+        A shape without width or height, or a list that is in brackets.
     """
     part, kind = DRAWN[what]
     item = _shape(kind, points, file)
@@ -127,12 +127,12 @@ def names_in(text: str) -> set[str]:
     tree = yaml.compose(text, Loader=yaml.SafeLoader)
     assert isinstance(tree, yaml.MappingNode)  # a case that was read
     lists = [value.value for key, value in tree.value if key.value in ("walls", "bodies") and value.value]
-    items = [item.value for found in lists for item in found if isinstance(item, yaml.MappingNode)]
+    items = [item.value for node in lists for item in node if isinstance(item, yaml.MappingNode)]
     return {name.value for item in items for word, name in item if word.value == "name"}
 
 
 def with_items(text: str, part: str, rows_of: Callable[..., str], file: str) -> str:
-    """The text of a case with further items behind those that a list of it has; all else in it stays.
+    """The text of a case with further items after those that a list of it has; all else in it stays.
 
     Parameters
     ----------
@@ -140,13 +140,13 @@ def with_items(text: str, part: str, rows_of: Callable[..., str], file: str) -> 
     part : str
         Name of the list, ``walls``.
     rows_of : callable
-        The new rows, for what stands before a dash.
+        The new rows, for what comes before a dash.
     file : str
 
     Raises
     ------
     CaseError
-        The list or all fields stand in brackets.
+        The list or all fields are in brackets.
     """
     tree = yaml.compose(text, Loader=yaml.SafeLoader)
     rows = text.splitlines(keepends=True)
@@ -166,13 +166,13 @@ def with_items(text: str, part: str, rows_of: Callable[..., str], file: str) -> 
                 f"{file}:{value.start_mark.line + 1}: {part}: stand in brackets; write them one below the other, each "
                 "behind a dash, and import again"
             )
-        if not value.value:  # walls: [], or nothing; comments in it and behind it stay
+        if not value.value:  # walls: [], or nothing; comments in it and after it stay
             whole, start, end = "".join(rows), value.start_mark.index, value.end_mark.index
             line, stop, rest = whole[end:].partition("\n")
             inside = whole[start + 1 : end - 1]
             return "".join([whole[:start].rstrip(" "), inside.rstrip(" "), line, stop, rows_of(), rest])
         after = _last_line(value) + 1
-        dash = DASH.search(text, value.start_mark.index - value.start_mark.column)  # an anchor may stand before it
+        dash = DASH.search(text, value.start_mark.index - value.start_mark.column)  # an anchor may precede it
         rows.insert(after, rows_of(dash[1] if dash else ""))
         return "".join(rows)
     rows.insert(tree.end_mark.line if tree.end_mark.column == 0 else len(rows), f"{part}:\n{rows_of()}")
@@ -180,7 +180,7 @@ def with_items(text: str, part: str, rows_of: Callable[..., str], file: str) -> 
 
 
 def _last_line(node: yaml.Node) -> int:
-    """Line, from 0, on which the last value of a node ends; comments behind it do not count."""
+    """Line, from 0, on which the last value of a node ends; comments after it do not count."""
     if isinstance(node, yaml.MappingNode | yaml.SequenceNode) and not node.flow_style and node.value:
         last = node.value[-1]
         return _last_line(last[1] if isinstance(last, tuple) else last)

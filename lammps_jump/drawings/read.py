@@ -52,7 +52,7 @@ def read_drawing(
         Its ending names the kind: DXF, SVG, GeoJSON, or a table of a survey (CSV).
     scale : str, optional
         Unit of the drawing (``mm``), or metres of one of its units (``0.5``): goes before what the file says. Or what
-        the drawing is reduced by (``1:100``), beside the unit of the file.
+        the drawing is reduced by (``1:100``), in addition to the unit of the file.
     shift : (float, float)
         Where the origin of the drawing comes to lie, m.
     along : bool
@@ -75,7 +75,7 @@ def read_drawing(
     measure = _measure(scale, tolerance)
     reader = _reader(path, measure, along=along)
     try:
-        found = read_file(path, MOST_DRAWING) if data is None else data
+        data_read = read_file(path, MOST_DRAWING) if data is None else data
     except FileNotFoundError:
         raise CaseError(f"{path}: no such drawing") from None
     except (OSError, ValueError) as error:
@@ -83,7 +83,7 @@ def read_drawing(
     try:
         kind = WORDS[path.suffix.lower()]
         with foreign(CaseError, f"{path}: is no {kind} that can be read", "draw or export it anew"):
-            drawing = reader(found, str(path))
+            drawing = reader(data_read, str(path))
     except ImportError as error:
         package = (error.name or "").partition(".")[0]
         raise SetupError(

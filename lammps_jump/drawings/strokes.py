@@ -84,10 +84,10 @@ class Layer:
 
     def points(self) -> list[Point]:
         """All points, and those of the circles that reach farthest."""
-        found = [point for stroke in self.strokes for point in stroke.points]
+        points_of_layer = [point for stroke in self.strokes for point in stroke.points]
         for (x, y), radius in self.rings:
-            found += [(x - radius, y - radius), (x + radius, y + radius)]
-        return found
+            points_of_layer += [(x - radius, y - radius), (x + radius, y + radius)]
+        return points_of_layer
 
     def mapped(self, scale: float, shift: Point) -> Layer:
         """The layer times `scale`, then moved."""
@@ -226,13 +226,15 @@ class GatheredStrokes:
 
     def layers(self) -> tuple[Layer, ...]:
         """All layers that hold something."""
-        return tuple(Layer(name, tuple(found), tuple(self.rings[name])) for name, found in self.strokes.items())
+        return tuple(
+            Layer(name, tuple(file_strokes), tuple(self.rings[name])) for name, file_strokes in self.strokes.items()
+        )
 
     def notes(self, tolerance: float) -> list[str]:
         """Sentences on what was left out or flattened."""
-        found = [f"{what}: {count} left out" for what, count in self.left_out.items()]
+        sentences = [f"{what}: {count} left out" for what, count in self.left_out.items()]
         flat = self.flattened.items()
-        return found + [
+        return sentences + [
             f"{what}: {count} made into straight pieces, to within {tolerance:zg} m" for what, count in flat
         ]
 

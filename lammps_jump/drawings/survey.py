@@ -29,7 +29,7 @@ MOST_COLUMNS = 10_000
 LONGEST_HEAD = 60
 """Letters of the head of a column."""
 HEAD = re.compile(r"\s*([A-Za-z]+)[\s_]*[\[(]?\s*([A-Za-z]*)\s*[\])]?\s*")
-"""A word, and perhaps a unit in brackets or behind a line: chainage (m), level [ft], x_mm."""
+"""A word, and perhaps a unit in brackets or after a line: chainage (m), level [ft], x_mm."""
 
 
 def read_survey(data: bytes, file: str) -> LayeredDrawing:
@@ -46,16 +46,16 @@ def read_survey(data: bytes, file: str) -> LayeredDrawing:
         raise CaseError(f"{file}: is empty; a survey has a head such as `chainage (m),level (m)`, and rows of numbers")
     order, unit = _columns(head, f"{file}:{head_line}")
     points: list[tuple[float, float]] = []
-    found = GatheredStrokes(file)
+    strokes = GatheredStrokes(file)
     for number, cells in rows:
-        found.room(len(points))
+        strokes.room(len(points))
         x, y = (_number(cells, index, head, f"{file}:{number}") for index in order)
         if not points or (x, y) != points[-1]:
             points.append((x, y))
     if len(points) < 2:
         raise CaseError(f"{file}: {len(points)} row of numbers; a line needs two different ones or more")
-    found.stroke(Path(file).stem, points)
-    return LayeredDrawing(file, unit[1], unit[0], found.layers())
+    strokes.stroke(Path(file).stem, points)
+    return LayeredDrawing(file, unit[1], unit[0], strokes.layers())
 
 
 def _lines(data: bytes, file: str) -> Iterator[str]:
@@ -73,7 +73,7 @@ def _lines(data: bytes, file: str) -> Iterator[str]:
 def _rows(lines: Iterator[str], file: str) -> Iterator[tuple[int, list[str]]]:
     """Number and cells of each row, as many as the head has; empty ones at the end and lines of `#` are left out.
 
-    The head says what stands between cells: a semicolon, a tab, a comma or blanks. A cell may stand in quotes.
+    The head says what is between cells: a semicolon, a tab, a comma or blanks. A cell may be in quotes.
     """
     sign, width = "", 0
     for number, line in enumerate(lines, 1):
@@ -116,13 +116,13 @@ def _columns(head: list[str], place: str) -> tuple[list[int], tuple[str, float |
     words = [HEAD.fullmatch(cell) if len(cell) <= LONGEST_HEAD else None for cell in head]
     order: list[int] = []
     for wanted, known in COLUMNS.items():
-        found = [i for i, word in enumerate(words) if word and word[1].lower() in known]
-        if len(found) != 1:
+        indices = [i for i, word in enumerate(words) if word and word[1].lower() in known]
+        if len(indices) != 1:
             raise CaseError(
-                f"{place}: columns {echoed(', '.join(head))}: {len(found)} of them are a {wanted} "
+                f"{place}: columns {echoed(', '.join(head))}: {len(indices)} of them are a {wanted} "
                 f"({', '.join(known)}); expected is one of each, such as `chainage (m),level (m)`"
             )
-        order += found
+        order += indices
     names = [word[2] if (word := words[i]) else "" for i in order]
     if names[0] != names[1]:
         raise CaseError(
@@ -137,7 +137,7 @@ def _columns(head: list[str], place: str) -> tuple[list[int], tuple[str, float |
 
 
 PARTS = {"LineString": 0, "MultiLineString": 1, "Polygon": 1, "MultiPolygon": 2}
-"""Lists that stand between a geometry and its lines."""
+"""Lists that are between a geometry and its lines."""
 NAMES = ("layer", "name", "id")
 """Properties of a feature that name its layer, the first that is there."""
 
@@ -152,11 +152,11 @@ def read_geojson(data: bytes, file: str, *, along: bool) -> LayeredDrawing:
     """
     with foreign(CaseError, f"{file}: is no GeoJSON"):
         tree = json.loads(data.decode("utf-8-sig"), parse_constant=_no_number)
-    found = GatheredStrokes(file)
+    strokes = GatheredStrokes(file)
     for layer, geometry in _geometries(tree, file):
         kind = geometry.get("type")
         if not isinstance(kind, str) or kind not in PARTS:
-            found.leave(kind if isinstance(kind, str) else f"geometry of type {echoed(kind)}")
+            strokes.leave(kind if isinstance(kind, str) else f"geometry of type {echoed(kind)}")
             continue
         lines: list[Any] = [geometry.get("coordinates")]
         for _ in range(PARTS[kind]):
@@ -169,11 +169,11 @@ def read_geojson(data: bytes, file: str, *, along: bool) -> LayeredDrawing:
                     "be its first, or draw a LineString"
                 )
             if len(points) > 1:
-                found.stroke(layer, points)
+                strokes.stroke(layer, points)
             else:
-                found.leave(f"{kind} without length")
-    told = "GeoJSON has no unit of a section: RFC 7946 means degrees of longitude and latitude"
-    return LayeredDrawing(file, None, told, found.layers(), tuple(found.notes(0.0)))
+                strokes.leave(f"{kind} without length")
+    unit_note = "GeoJSON has no unit of a section: RFC 7946 means degrees of longitude and latitude"
+    return LayeredDrawing(file, None, unit_note, strokes.layers(), tuple(strokes.notes(0.0)))
 
 
 def _no_number(name: str) -> float:

@@ -115,19 +115,19 @@ def length(text: str | None, whole: float, default: float = 0.0) -> float:
     """A length in pixels; `whole` is what a share is of. ValueError for what is none."""
     if text is None or text.strip() == "auto":
         return default
-    found = LENGTH.fullmatch(text) if len(text) <= LONGEST_NUMBER else None
-    unit = found[2].lower() if found else ""
-    if found is None or unit not in ("", "px", "%", *PIXELS):
+    match = LENGTH.fullmatch(text) if len(text) <= LONGEST_NUMBER else None
+    unit = match[2].lower() if match else ""
+    if match is None or unit not in ("", "px", "%", *PIXELS):
         raise ValueError(f"{echoed(text)} is no length of a drawing")
-    return float(found[1]) * (whole / 100 if unit == "%" else PIXELS.get(unit, 1.0))
+    return float(match[1]) * (whole / 100 if unit == "%" else PIXELS.get(unit, 1.0))
 
 
 def _side(text: str | None) -> tuple[float | None, str]:
     """A side of the page in pixels, and its unit; None where it follows from the other one. ValueError for none."""
     if text is None or text.strip() in ("", "auto"):
         return None, ""
-    pixels, found = length(text, 0.0), LENGTH.fullmatch(text)
-    word = found[2] if found else ""
+    pixels, match = length(text, 0.0), LENGTH.fullmatch(text)
+    word = match[2] if match else ""
     return (None if word == "%" else pixels), word
 
 
@@ -154,15 +154,15 @@ class _Page(NamedTuple):
 
         A side that is missing, or a share of the window, follows from the other one and the view box.
         """
-        box, told, unit = view_box(root.get("viewBox")), "its width is in pixels, which is no length", None
+        box, unit_note, unit = view_box(root.get("viewBox")), "its width is in pixels, which is no length", None
         sides = []
         for name in ("width", "height"):
             side, word = _side(root.get(name))
             sides.append(side)
             if unit is None and word.lower() in PIXELS:
-                unit, told = INCH / 96, f"its {name} is in {word}"
+                unit, unit_note = INCH / 96, f"its {name} is in {word}"
             elif unit is None and word == "%":
-                told = f"its {name} is in %, which is no length"
+                unit_note = f"its {name} is in %, which is no length"
         width, height = sides
         if any(side is not None and side <= 0 for side in sides):
             raise ValueError("its page has a side of no length")
@@ -175,7 +175,7 @@ class _Page(NamedTuple):
             seen = Affine()
         flip = Affine(d=-1.0, f=height or 0.0)
         shares = (box.width, box.height) if box is not None else (width or 0.0, height or 0.0)
-        return cls(unit, told, Viewport(flip.after(seen), *shares))
+        return cls(unit, unit_note, Viewport(flip.after(seen), *shares))
 
 
 class _SvgReader:
@@ -474,7 +474,7 @@ class _Pen:
         self.points = [self.onto(*point)]
 
     def begin(self, point: Point) -> None:
-        """Go on from a point, where no line has begun: behind one that was closed."""
+        """Goes on from a point, where no line has begun: after one that was closed."""
         if not self.points:
             self.move(point)
 

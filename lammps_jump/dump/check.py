@@ -25,7 +25,7 @@ def damages(warnings: Iterable[str]) -> list[str]:
 
 
 class FrameCheck:
-    """Compares every frame with the schedule of a scene, beside other collectors of one pass over the dump.
+    """Compares every frame with the schedule of a scene, along with other collectors of one pass over the dump.
 
     Parameters
     ----------
@@ -66,13 +66,13 @@ class FrameCheck:
 
     def result(self, steps: int, present: int) -> list[str]:
         """Faults of a run of so many steps and discs at its end, in words; empty where there is none."""
-        found = [self.first_trouble] if self.first_trouble else []
+        troubles = [self.first_trouble] if self.first_trouble else []
         expected = steps // self.scene.output_steps + 1
         if self.frames != expected:
-            found.insert(0, f"{self.frames} of {expected} frames")
+            troubles.insert(0, f"{self.frames} of {expected} frames")
         elif steps % self.scene.output_steps == 0 and self.last != present:
-            found.append(f"{self.last} discs in the last frame, {present} at the end of the run")
-        return found
+            troubles.append(f"{self.last} discs in the last frame, {present} at the end of the run")
+        return troubles
 
 
 def _is_repeated(ids: np.ndarray) -> bool:
@@ -80,7 +80,7 @@ def _is_repeated(ids: np.ndarray) -> bool:
 
 
 class IdCheck:
-    """Refuses a foreign dump by whose ids no disc can be followed, beside other collectors of one pass over it.
+    """Refuses a foreign dump by whose ids no disc can be followed, along with other collectors of one pass over it.
 
     Parameters
     ----------
@@ -94,17 +94,17 @@ class IdCheck:
         self.path = path
 
     def add(self, frame: Frame, time: float) -> None:
-        """Take in the next frame; DumpError where an id is negative, no whole number, or stands there twice."""
+        """Takes in the next frame; DumpError where an id is negative, no whole number, or occurs twice."""
         ids = frame.columns.get("id", np.empty(0))
         wrong = (ids < 0) | (ids != np.floor(ids))
         if wrong.any():
-            found = f"{ids[np.argmax(wrong)]:.10g} is no whole number from 0"
+            trouble = f"{ids[np.argmax(wrong)]:.10g} is no whole number from 0"
         elif _is_repeated(ids):
             once, number = np.unique(ids, return_counts=True)
-            found = f"{once[np.argmax(number > 1)]:.0f} stands there twice"
+            trouble = f"{once[np.argmax(number > 1)]:.0f} stands there twice"
         else:
             return
-        raise DumpError(f"{self.path}: step {frame.step}: id {found}; each disc needs a number of its own there")
+        raise DumpError(f"{self.path}: step {frame.step}: id {trouble}; each disc needs a number of its own there")
 
     def result(self) -> None:
         """Nothing is kept."""
@@ -115,16 +115,16 @@ def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:
     if not scene.probes:
         return []
     try:
-        found = read_forces(path)
+        force_histories = read_forces(path)
     except DumpError as error:
         return [str(error)]
     windows, names = steps // scene.probe_steps, {*scene.probes, *(name for name, _ in scene.groups)}
     wanted = np.array([scene.time(scene.probe_steps * number) for number in range(1, windows + 1)])
     troubles = []
-    rows = sum(len(history.time) for history in found.values())
-    if rows != windows * len(names) or (rows and set(found) != names):
+    rows = sum(len(history.time) for history in force_histories.values())
+    if rows != windows * len(names) or (rows and set(force_histories) != names):
         troubles.append(f"{rows} of {windows * len(names)} rows of forces")
-    for name, history in found.items():
+    for name, history in force_histories.items():
         parts = (part for part in (history.fx, history.fy, history.moment, history.power) if part is not None)
         if not all(np.isfinite(part).all() for part in parts):
             troubles.append(f"a force on {name} is no number")

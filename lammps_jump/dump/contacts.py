@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contacts of each frame with their forces, as the engine has them: ``contacts.bin`` beside the dump.
+"""Contacts of each frame with their forces, as the engine has them: ``contacts.bin`` next to the dump.
 
 With a memory in the contact law, friction cannot be computed from a frame. A frame of the file is a mark, step and
 number of contacts (`HEAD`), then a row of `ROW` for each contact: 28 bytes.
@@ -27,7 +27,7 @@ MARK = b"LJC1"
 class ContactWriter(SideWriter):
     """Writes the contacts of frames."""
 
-    def write(self, step: int, who: np.ndarray, found: np.ndarray) -> None:
+    def write(self, step: int, who: np.ndarray, contact_rows: np.ndarray) -> None:
         """Write the contacts of a frame.
 
         Parameters
@@ -35,11 +35,11 @@ class ContactWriter(SideWriter):
         step : int
         who : ndarray of int, shape (n, 2)
             Ids, the columns i and j of `ROW`.
-        found : ndarray, shape (n, 5)
+        contact_rows : ndarray, shape (n, 5)
             Its other columns.
         """
         rows = np.empty(len(who), ROW)
-        for name, values in zip(ROW.names or (), (*who.T, *found.T), strict=True):
+        for name, values in zip(ROW.names or (), (*who.T, *contact_rows.T), strict=True):
             rows[name] = values
         self.put(HEAD.pack(MARK, step, len(rows)) + rows.tobytes())
 
@@ -135,16 +135,16 @@ class ContactFile:
         rows = self.contacts(step)
         if rows is None or not len(rows):
             return np.full(len(one), np.nan), np.full(len(one), np.nan)
-        mine, asked = _keys(rows["i"], rows["j"]), _keys(one, other)
-        _, number = np.unique(np.concatenate([mine, asked]), axis=0, return_inverse=True)
+        mine, wanted_keys = _keys(rows["i"], rows["j"]), _keys(one, other)
+        _, number = np.unique(np.concatenate([mine, wanted_keys]), axis=0, return_inverse=True)
         number = number.ravel()
         place = np.full(int(number.max()) + 1, -1)
         place[number[: len(mine)]] = np.arange(len(mine))
-        found = place[number[len(mine) :]]
+        row_numbers = place[number[len(mine) :]]
         # the force on the other disc of a pair is the opposite
-        sign = np.where((rows["i"][found] == one), 1.0, -1.0)
-        sign[found < 0] = np.nan
-        return sign * rows["fx"][found], sign * rows["fy"][found]
+        sign = np.where((rows["i"][row_numbers] == one), 1.0, -1.0)
+        sign[row_numbers < 0] = np.nan
+        return sign * rows["fx"][row_numbers], sign * rows["fy"][row_numbers]
 
 
 def _keys(one: np.ndarray, other: np.ndarray) -> np.ndarray:

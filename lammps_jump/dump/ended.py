@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """State of discs and pushed walls at the end of a run, or at a frame of its dump, from which another run goes on.
 
-Every engine writes ``end.npz``, with all digits. It holds no number of an engine's own but those of `Ended.exact`.
+Every engine writes ``end.npz``, with all digits. Of an engine's own it holds `DiscsAtTime.exact` alone.
 
 Lists come from the file of a run that may have been handed on. The engine does not look at them again: an index beyond
 the discs would end it, and a pair that is missing would change the run in silence.
@@ -49,7 +49,7 @@ def check_kept(kept: Mapping[str, np.ndarray], discs: np.ndarray) -> None:
     ----------
     kept : mapping of str to ndarray
         ``discs`` has a row a disc in the order of the engine's memory: ``order``, the place of the disc among `discs`
-        and the fixed ones behind them, and columns of `BITS`. `LIST` is its neighbour list, up to a ``skin`` (m) beyond
+        and the fixed ones after them, and columns of `BITS`. `LIST` is its neighbour list, up to a ``skin`` (m) beyond
         contact, in a channel of this ``period`` (m; 0: none). ``fixed`` and ``fixed_diameters`` (m) tell the discs of
         rough beds.
     discs : ndarray
@@ -127,8 +127,8 @@ def check_list(
         raise ValueError("a row of its neighbour list does not ascend")
     late = np.flatnonzero((discs < row) & (row < n))
     ordered = int(row[late[0]]) if late.size else n
-    early, behind = row < ordered, (row >= ordered) & (row < n)
-    if (discs[early] <= row[early]).any() or (discs[early] >= ordered).any() or (discs[behind] >= row[behind]).any():
+    early, is_late = row < ordered, (row >= ordered) & (row < n)
+    if (discs[early] <= row[early]).any() or (discs[early] >= ordered).any() or (discs[is_late] >= row[is_late]).any():
         raise ValueError("a pair of its neighbour list stands in the wrong row")
     if owner is not None and shift is not None:
         own = np.array_equal(owner[:n], np.arange(n)) and not shift[:n].any() and shift.shape == owner.shape
@@ -166,9 +166,9 @@ def _is_whole(kept: Mapping[str, np.ndarray], disc: tuple[np.ndarray, np.ndarray
         return True
     beyond = [period, 0.0]
     near = np.flatnonzero(places[:, 0] + period < places[:, 0].max(initial=-np.inf) + reach)
-    found = tree.query_ball_point(places[near] + beyond, reach)
-    one = np.repeat(near, [len(others) for others in found])
-    two = np.array([other for others in found for other in others], np.int64)
+    neighbours = tree.query_ball_point(places[near] + beyond, reach)
+    one = np.repeat(near, [len(others) for others in neighbours])
+    two = np.array([other for others in neighbours for other in others], np.int64)
     images = kept["list_owner"][row[~own]] * n + discs[~own]
     return not lacks(one, two, places[one] + beyond - places[two], images)
 
@@ -196,7 +196,7 @@ WIDEST = 16.0
 
 
 @dataclass(frozen=True, eq=False)
-class Ended:
+class DiscsAtTime:
     """Discs of a run at one time, those of rough beds left out.
 
     Attributes
@@ -210,7 +210,7 @@ class Ended:
     contacts : ndarray of lammps_jump.scene.scene.CONTACT
         What discs remember of their contacts.
     chains : tuple of str
-        As `lammps_jump.scene.scene.Earlier.chains`.
+        As `lammps_jump.scene.scene.EarlierState.chains`.
     exact : mapping of str to ndarray
         As there.
     fixed : (int, int)
@@ -231,17 +231,17 @@ class Ended:
     which: str = AT_END
     walls: PushedWalls = NO_WALLS
 
-    def __deepcopy__(self, memo: object) -> Ended:
+    def __deepcopy__(self, memo: object) -> DiscsAtTime:
         """Itself: nothing of it is ever changed."""
         return self
 
     @cached_property
     def key(self) -> str:
         """Twelve hex digits, the hash of all numbers."""
-        found = hashlib.sha256(repr((self.time, self.density, self.chains)).encode())
+        digest = hashlib.sha256(repr((self.time, self.density, self.chains)).encode())
         for array in (self.discs, self.contacts, *self.exact.values(), *self.walls.arrays.values()):
-            found.update(array.tobytes())
-        return found.hexdigest()[:12]
+            digest.update(array.tobytes())
+        return digest.hexdigest()[:12]
 
 
 def ended(
@@ -251,7 +251,7 @@ def ended(
     slots: tuple[np.ndarray, ...] | None = None,
     exact: Mapping[str, np.ndarray] | None = None,
     walls: PushedWalls = NO_WALLS,
-) -> Ended:
+) -> DiscsAtTime:
     """The state at a step.
 
     Parameters
@@ -280,28 +280,28 @@ def ended(
     discs = discs[np.argsort(ids, kind="stable")]
     fixed = (scene.fixed.first, scene.fixed.last) if scene.fixed else NONE
     moving = _without(discs, fixed)
-    return Ended(scene.time(step), scene.density, moving, contacts, scene.chains, exact or {}, fixed, walls=walls)
+    return DiscsAtTime(scene.time(step), scene.density, moving, contacts, scene.chains, exact or {}, fixed, walls=walls)
 
 
 def _without(discs: np.ndarray, fixed: tuple[int, int]) -> np.ndarray:
     return discs[(discs["id"] < fixed[0]) | (discs["id"] > fixed[1])]
 
 
-def write_ended(path: Path, found: Ended) -> None:
+def write_ended(path: Path, discs: DiscsAtTime) -> None:
     """Write a state; OSError where that cannot be."""
     write_arrays(
         path,
-        of=np.array([found.time, found.density, *found.fixed]),
-        discs=found.discs,
-        contacts=found.contacts,
-        chains=np.array(found.chains, str),
-        which=np.array(found.which),
-        **found.walls.arrays,
-        **{EXACT + name: array for name, array in found.exact.items()},
+        of=np.array([discs.time, discs.density, *discs.fixed]),
+        discs=discs.discs,
+        contacts=discs.contacts,
+        chains=np.array(discs.chains, str),
+        which=np.array(discs.which),
+        **discs.walls.arrays,
+        **{EXACT + name: array for name, array in discs.exact.items()},
     )
 
 
-def read_ended(path: Path) -> Ended:
+def read_ended(path: Path) -> DiscsAtTime:
     """The state that `write_ended` wrote, each number held against what it means.
 
     Raises
@@ -317,30 +317,30 @@ def read_ended(path: Path) -> Ended:
         exact = {name.removeprefix(EXACT): array for name, array in stored.items() if name.startswith(EXACT)}
         if not all(float(id).is_integer() for id in (first, last)):
             raise ValueError(f"its fixed discs have the numbers {first:g} to {last:g}")
-        found = Ended(
+        discs = DiscsAtTime(
             time, density, stored["discs"], stored["contacts"], tuple(map(str, stored["chains"])), exact,
             (int(first), int(last)), str(stored["which"]), PushedWalls.of(stored, len(stored["chains"])),
         )  # fmt: skip
-        _check(found)
-        return found
+        _check(discs)
+        return discs
 
 
-def _check(found: Ended) -> None:
+def _check(discs: DiscsAtTime) -> None:
     """Raise ValueError where a number of a state is none that a run has."""
-    (low, high), (first, last) = DENSITIES, found.fixed
-    if not abs(found.time) <= LARGEST_VALUE or not low <= found.density <= high:
-        raise ValueError(f"its time is {found.time:g} s and its density {found.density:g} kg/m3")
+    (low, high), (first, last) = DENSITIES, discs.fixed
+    if not abs(discs.time) <= LARGEST_VALUE or not low <= discs.density <= high:
+        raise ValueError(f"its time is {discs.time:g} s and its density {discs.density:g} kg/m3")
     if (first, last) != NONE and not 1 <= first <= last < MOST_IDS:
         raise ValueError(f"its fixed discs have the numbers {first} to {last}")
-    if found.which not in (AT_END, STOPPED, AT_FRAME, NO_END):
-        raise ValueError(f"it says that it is {found.which!r}"[:100])
-    check_discs(found.discs, found.fixed)
-    _check_contacts(found)
-    check_kept(found.exact, found.discs)
+    if discs.which not in (AT_END, STOPPED, AT_FRAME, NO_END):
+        raise ValueError(f"it says that it is {discs.which!r}"[:100])
+    check_discs(discs.discs, discs.fixed)
+    _check_contacts(discs)
+    check_kept(discs.exact, discs.discs)
 
 
 def check_discs(discs: np.ndarray, fixed: tuple[int, int]) -> None:
-    """Raise ValueError where ids, places, sizes or speeds of discs, beside `fixed` ones, are those of no run."""
+    """Raises ValueError where ids, places, sizes or speeds of discs, with `fixed` ones, are those of no run."""
     if discs.dtype != DISC or discs.ndim != 1:
         raise ValueError("its columns are not those of a run")
     ids, sizes = discs["id"], discs["diameter"]
@@ -360,22 +360,24 @@ def check_discs(discs: np.ndarray, fixed: tuple[int, int]) -> None:
             raise ValueError(f"{name} of disc {ids[at]} is {values[at]:g}")
 
 
-def _check_contacts(found: Ended) -> None:
+def _check_contacts(discs: DiscsAtTime) -> None:
     """Raise ValueError where what discs remember is of no disc or chain, or no length."""
-    contacts = found.contacts
+    contacts = discs.contacts
     if contacts.dtype != CONTACT or contacts.ndim != 1:
         raise ValueError("its contacts are not those of a run")
     disc, partner = contacts["disc"], contacts["partner"]
     if (disc < 1).any() or (disc >= MOST_IDS).any() or (partner >= MOST_IDS).any() or (disc == partner).any():
         raise ValueError("a contact is of no disc")
-    if (partner == 0).any() or (partner < -len(found.chains)).any():
+    if (partner == 0).any() or (partner < -len(discs.chains)).any():
         raise ValueError("a contact is with no wall")
     for name in ("foot", "spring", "roll"):
         if not (np.abs(contacts[name]) <= LARGEST_VALUE).all():
             raise ValueError(f"{name} of a contact is no length")
 
 
-def at_frame(folder: Path, time: float, density: float, diameter: float, last: Ended | None = None) -> Ended:
+def at_frame(
+    folder: Path, time: float, density: float, diameter: float, last: DiscsAtTime | None = None
+) -> DiscsAtTime:
     """The state at the frame of a folder's dump that is nearest to a time (s; infinite: the last frame).
 
     Parameters
@@ -412,9 +414,9 @@ def at_frame(folder: Path, time: float, density: float, diameter: float, last: E
         discs["spin"] = frame.columns.get("omegaz", 0.0)
         discs["diameter"] = diameter if frame.radii is None else 2.0 * frame.radii
         when, fixed = float(times[index]), NONE if last is None else last.fixed
-        found = Ended(
+        listed = DiscsAtTime(
             when, density, _without(discs, fixed), fixed=fixed, which=AT_FRAME if time < inf else NO_END,
             walls=PushedWalls(known=False) if last is None else last.walls.at(folder, when),
         )  # fmt: skip
-        _check(found)
-        return found
+        _check(listed)
+        return listed

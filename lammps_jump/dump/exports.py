@@ -328,7 +328,7 @@ def write_walls(
 
 
 def write_pvd(files: Iterable[tuple[float, str | Path]], path: str | Path) -> Path:
-    """A ParaView collection: (time, file) pairs; files beside or below it are named relative to it."""
+    """A ParaView collection: (time, file) pairs; files next to or below it are named relative to it."""
     folder, sets = Path(path).parent, ""
     for time, name in files:
         name = Path(name).relative_to(folder) if Path(name).is_relative_to(folder) else Path(name)

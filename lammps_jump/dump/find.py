@@ -59,7 +59,7 @@ def find_dump(*places: str | Path) -> Path:
 
     The dump of a folder of results is the one that was analysed. Of other folders it is the first of `KNOWN_NAMES` in
     them, else their files ``dump.*``: one, or several whose names differ in numbers alone. A run folder may so hold
-    other dumps beside its own.
+    other dumps besides its own.
 
     Parameters
     ----------
@@ -171,15 +171,15 @@ def forces_of(text: str, path: str | Path) -> dict[str, ForceHistory]:
 
 
 def with_groups(rows: Iterable[Row], groups: Groups, walls: Sequence[MovingWall]) -> Iterator[Row]:
-    """Rows of walls, and behind those of each step a row a group.
+    """Rows of walls, and after those of each step a row a group.
 
     Force and power are sums. The moment is about the point of the group's first wall: each wall's own, and its force at
     its arm. Arms are constant, so that this is exact for means over a window.
     """
     by_name = {one.wall.name: one for one in walls}
     leads = {name: arms(name, [by_name[member] for member in members]) for name, members in groups}
-    for step, found in groupby(rows, key=lambda row: row[0]):
-        own = list(found)
+    for step, rows_of_step in groupby(rows, key=lambda row: row[0]):
+        own = list(rows_of_step)
         yield from own
         values = {name: np.array(numbers, float) for _, name, *numbers in own}
         for name, members in groups:

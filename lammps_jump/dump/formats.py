@@ -42,7 +42,7 @@ class Truncated(Exception):
     """The file ends inside a frame; the message says where."""
 
 
-class Torn(Exception):
+class BrokenFrame(Exception):
     """Another frame begins inside a frame, as where a run was killed and a later one appended to its file."""
 
     def __init__(self, error: DumpError, header: FrameHeader, rows: int):
@@ -262,10 +262,10 @@ def walk(dump: DumpFile, stream: Any, parse: Callable[[int], bool]) -> Walked:
         start = source.place()
         try:
             wanted = parse(index)
-            found = (
+            frame_headers = (
                 _text_frame(dump, source, wanted) if isinstance(source, Lines) else _binary_frame(dump, source, wanted)
             )
-        except Torn as where:
+        except BrokenFrame as where:
             if index == 0 or torn:
                 raise where.error from None
             dump.warn(
@@ -285,14 +285,14 @@ def walk(dump: DumpFile, stream: Any, parse: Callable[[int], bool]) -> Walked:
                 "it was skipped."
             )
             return
-        if found is None:
+        if frame_headers is None:
             return
         if index >= MOST_FRAMES:
             raise DumpError(f"{dump.path}: more than {MOST_FRAMES} frames; read the file in parts.")
-        empty += found[0].n == 0
+        empty += frame_headers[0].n == 0
         if empty > MOST_EMPTY:
             raise DumpError(f"{dump.path}: more than {MOST_EMPTY:,} frames without a disc; name a dump of discs.")
-        yield found
+        yield frame_headers
         index, torn = index + 1, False
 
 
@@ -306,8 +306,8 @@ def _text_frame(dump: DumpFile, buffer: Lines, wanted: bool) -> tuple[FrameHeade
     return None
 
 
-def _wrong(dump: DumpFile, line: int, found: str, expected: str) -> DumpError:
-    return DumpError(f"{dump.path}, line {line}: expected {expected}, found {found[:60]!r}.")
+def _wrong(dump: DumpFile, line: int, text: str, expected: str) -> DumpError:
+    return DumpError(f"{dump.path}, line {line}: expected {expected}, found {text[:60]!r}.")
 
 
 def _text_header(dump: DumpFile, buffer: Lines) -> tuple[FrameHeader, np.ndarray, tuple[str, ...]] | None:
@@ -461,10 +461,10 @@ def _larger(values: np.ndarray, rows: int, most: int) -> np.ndarray:
     return grown
 
 
-def _torn(dump: DumpFile, buffer: Lines, header: FrameHeader, row: int) -> Torn:
+def _torn(dump: DumpFile, buffer: Lines, header: FrameHeader, row: int) -> BrokenFrame:
     """Another frame begins at the place of the buffer."""
     wrong = _wrong(dump, buffer.line_number + 1, "ITEM:", f"disc {row + 1} of {header.n}")
-    return Torn(wrong, header, row)
+    return BrokenFrame(wrong, header, row)
 
 
 def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) -> list[float]:
@@ -547,7 +547,7 @@ def _binary_rows(
 def _frame(
     dump: DumpFile, header: FrameHeader, box: np.ndarray, names: tuple[str, ...], values: np.ndarray
 ) -> Frame:  # fmt: skip
-    """Frame of values, shape (columns, n), without the columns of words; one that stands twice with equal values once.
+    """Frame of values, shape (columns, n), without the columns of words; one that occurs twice with equal values once.
 
     The dump command of LIGGGHTS' examples writes ``id type type x y z …``.
     """

@@ -199,7 +199,7 @@ class DumpFile:
     periodic : (bool, bool)
         Whether what leaves the box of the last frame along x, and along y, enters at its other side.
     warnings : list of str
-        What the last pass found odd: a truncated last frame, columns of words.
+        What was odd in the last pass: a truncated last frame, columns of words.
     """
 
     def __init__(self, path: Path, format: str, compressed: bool):

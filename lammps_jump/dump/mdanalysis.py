@@ -4,7 +4,7 @@
 Importing this module registers the format ``JUMPDUMP`` (topology and trajectory) with MDAnalysis; nothing else of the
 package imports MDAnalysis.
 
-One atom stands for each disc id that ever occurs, in the order of the ids. A disc that is not there in a frame has NaN
+One atom represents each disc id that ever occurs, in order of the ids. A disc that is not there in a frame has NaN
 for its position and velocity, so that nothing is computed with it by accident: comparisons with NaN are false, hence
 ``prop`` selections leave it out, and `present` gives the group of those that are there.
 
@@ -74,8 +74,8 @@ def all_ids(dump: Dump) -> np.ndarray:
 
 def _all_discs(dump: Dump) -> tuple[np.ndarray, np.ndarray]:
     """Ids and last radii (m; NaN where the file has none) of all discs: one pass, remembered until the file changes."""
-    found = [(file.resolve(), file.stat()) for file in dump.files]
-    key = tuple((str(file), status.st_size, status.st_mtime_ns) for file, status in found)
+    statuses = [(file.resolve(), file.stat()) for file in dump.files]
+    key = tuple((str(file), status.st_size, status.st_mtime_ns) for file, status in statuses)
     if key not in _scanned:
         ids, radii = np.empty(0, np.int64), np.empty(0)
         for frame in dump:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Streaming reader for LAMMPS dumps: ``dump custom`` as text, gzipped text or binary, told apart by content.
+"""Streaming reader for LAMMPS dumps: ``dump custom`` as text, gzipped text or binary, recognized by content.
 
 Formats: text as https://docs.lammps.org/dump.html describes it; binary as LAMMPS' ``tools/binary2txt.cpp``
 reads it (files with the ``DUMP…`` signature, revision 2, which carry the names of their columns).
@@ -35,7 +35,7 @@ class Dump(DumpFile):
     units : str or None
         LAMMPS unit style where the file tells.
     warnings : list of str
-        What the last pass found odd: a truncated last frame, columns of words.
+        What was odd in the last pass: a truncated last frame, columns of words.
     """
 
     def __iter__(self) -> Iterator[Frame]:
@@ -90,21 +90,21 @@ class Dump(DumpFile):
         the first or before it are another run's, which ends the pass.
         """
         taken: list[FrameHeader] = []
-        passed, told = 0, ""
+        passed, warning = 0, ""
         for number, (header, frame) in enumerate(self._pass(lambda _: parse(len(taken))), start=1):
             if not taken or _advances(taken[-1], header):
                 taken.append(header)
                 yield header, frame
                 continue
             passed += 1
-            told = told or f"{self.path}: frame {number} is at {_place(header)}, after {_place(taken[-1])}: "
+            warning = warning or f"{self.path}: frame {number} is at {_place(header)}, after {_place(taken[-1])}: "
             if another := header.step <= taken[0].step and header.step < taken[-1].step:
                 before = "frame before it is" if len(taken) == 1 else "frames before it are"
                 what = f"another run begins there and was {PASSED_OVER}; only the {len(taken)} {before} used."
             else:
                 those = f"{passed} frames that do not advance were" if passed > 1 else "it does not advance and was"
                 what = f"{those} {PASSED_OVER}."
-            self.warnings = [text for text in self.warnings if not text.startswith(told)] + [told + what]
+            self.warnings = [text for text in self.warnings if not text.startswith(warning)] + [warning + what]
             if another:
                 return
 
@@ -133,7 +133,7 @@ def _place(header: FrameHeader) -> str:
 
 
 def _behind(parse: Callable[[int], bool], before: int) -> Callable[[int], bool]:
-    """Parse of a frame behind `before` others."""
+    """Parse of a frame after `before` others."""
     return lambda index: parse(before + index)
 
 
@@ -172,9 +172,9 @@ def files_of(path: Path) -> list[Path]:
     """The file itself; where there is none, the files that fit its name as a pattern, by the numbers in their names."""
     if path.exists():
         return [path]
-    found = (file for file in path.parent.glob(path.name) if file.is_file())
+    paths = (file for file in path.parent.glob(path.name) if file.is_file())
     return sorted(
-        found, key=lambda file: [int(part) if i % 2 else part for i, part in enumerate(by_numbers(file.name))]
+        paths, key=lambda file: [int(part) if i % 2 else part for i, part in enumerate(by_numbers(file.name))]
     )
 
 

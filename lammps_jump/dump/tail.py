@@ -27,7 +27,7 @@ HEAD = re.compile(
     rb"ITEM: TIME\n[^\n]*\nITEM: TIMESTEP\n\d+\nITEM: NUMBER OF ATOMS\n(\d{1,10})\n"
     rb"ITEM: BOX BOUNDS[^\n]*\n(?:[^\n]*\n){3}ITEM: ATOMS [^\n]*\n"
 )
-"""First lines of a frame that our engines write, with the number of lines behind them."""
+"""First lines of a frame that our engines write, with the number of lines after them."""
 BINARY_MARKER = struct.pack("<q10s", -10, b"DUMPCUSTOM")
 """First bytes of each binary frame."""
 GZIP = 31
@@ -181,11 +181,11 @@ class DumpTail:
 
     def _unpack(self, arrived: bytes) -> bytes:
         """Content of more bytes of a gzip file, or a part of it; a run that went on has several streams in it."""
-        found, size, packed = [], 0, self._packed + arrived
+        parts, size, packed = [], 0, self._packed + arrived
         try:
             while packed and size < MOST_UNPACKED:
-                found.append(self._stream.decompress(packed, MOST_UNPACKED - size))
-                size += len(found[-1])
+                parts.append(self._stream.decompress(packed, MOST_UNPACKED - size))
+                size += len(parts[-1])
                 if self._stream.eof:
                     packed, self._stream = self._stream.unused_data, zlib.decompressobj(GZIP)
                 else:
@@ -196,7 +196,7 @@ class DumpTail:
         self._unpacked += size
         if self._unpacked > UNPACKED * max(self._read, MOST_UNPACKED // UNPACKED):
             raise DumpError(f"{self.path}: unpacks to more than {UNPACKED} times its size, as no dump of discs does")
-        return b"".join(found)
+        return b"".join(parts)
 
     def newest(self, guess: int = 2_000_000, *, ended: bool = False) -> Frame | None:
         """The last whole frame of a text, None where there is none yet; where the run has `ended` the last is whole.

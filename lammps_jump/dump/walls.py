@@ -28,7 +28,7 @@ from lammps_jump.files import (
 )
 from lammps_jump.foreign import foreign, number_of
 from lammps_jump.scene.meeting import corner_names
-from lammps_jump.scene.motion import MovingWall, Pose, Went
+from lammps_jump.scene.motion import MovingWall, Pose, WallState
 from lammps_jump.scene.scene import CONTACT, Scene
 from lammps_jump.scene.walls import Wall
 
@@ -43,7 +43,7 @@ class SideWriter:
     ----------
     path : Path
     append : bool
-        Write behind what the file holds.
+        Write after what the file holds.
     head : bytes
         What a new file begins with.
 
@@ -101,7 +101,7 @@ class PoseFile:
     -----
     A row holds the time (s), the name of the wall, its displacement (m) from where the case has it, and its turn (rad).
     An engine writes the rows of a frame before the frame. A last line without its end is not read yet. Empty lines and
-    a row that stands there twice are skipped.
+    a row that occurs twice are skipped.
     """
 
     def __init__(self, path: Path, names: Collection[str], most: int | None = None):
@@ -200,7 +200,7 @@ class PoseFile:
 
 
 Row = tuple[int, str, tuple[float, ...]]
-"""Step, name, and the numbers of `BodyHistory` behind the time."""
+"""Step, name, and the numbers of `BodyHistory` after the time."""
 
 
 class BodyHistory(NamedTuple):
@@ -265,7 +265,7 @@ KINDS = ("free", "load", "hold")
 UNKNOWN = ("half", "before", "force", "listed", "area", "since")
 """Numbers of `PUSHED` that may be unknown."""
 STATE = ("place", "speed", "half", "before", "force", "listed")
-"""Each along x, along y and as a turn; as `lammps_jump.scene.motion.Went`, where `place` is its pose."""
+"""Each along x, along y and as a turn; as `lammps_jump.scene.motion.WallState`, where `place` is its pose."""
 PUSHED = np.dtype(
     [
         *((name, bool) for name in ("released",)),
@@ -326,9 +326,9 @@ class PushedWalls:
         if any(array.dtype.kind != "U" or array.ndim != 1 for array in texts):
             raise ValueError("its walls have no names")
         names, kinds, corner_names = (tuple(map(str, array)) for array in texts)
-        found = cls(names, kinds, stored["walls"], stored["outlines"], stored["corners"], corner_names)
-        _check(found, chains)
-        return found
+        walls = cls(names, kinds, stored["walls"], stored["outlines"], stored["corners"], corner_names)
+        _check(walls, chains)
+        return walls
 
     def outline(self, name: str) -> np.ndarray:
         """`outline_of` a wall."""
@@ -371,12 +371,12 @@ class PushedWalls:
         return bool(self.names)
 
 
-def _check(found: PushedWalls, chains: int) -> None:
+def _check(walls: PushedWalls, chains: int) -> None:
     """Raise ValueError where a number of pushed walls, in a run with so many chains, is none that a run has."""
-    rows, outlines, corners = found.rows, found.outlines, found.corners
+    rows, outlines, corners = walls.rows, walls.outlines, walls.corners
     if rows.dtype != PUSHED or rows.ndim != 1 or outlines.ndim != 2 or outlines.shape[1] != 3:
         raise ValueError("its walls are not those of a run")
-    if not len(found.names) == len(found.kinds) == len(rows) == len(set(found.names)) or set(found.kinds) - set(KINDS):
+    if not len(walls.names) == len(walls.kinds) == len(rows) == len(set(walls.names)) or set(walls.kinds) - set(KINDS):
         raise ValueError("its walls have no names and motions of their own")
     if (rows["points"] < 1).any() or (rows["points"] > len(outlines)).any() or rows["points"].sum() != len(outlines):
         raise ValueError("its walls have no outlines")
@@ -390,7 +390,7 @@ def _check(found: PushedWalls, chains: int) -> None:
     if corners.dtype != CONTACT or corners.ndim != 1:
         raise ValueError("contacts of its corners are not those of a run")
     disc, partner = corners["disc"], corners["partner"]
-    if ((disc < 1) | (disc > len(found.corner_names)) | (partner > -1) | (partner < -chains)).any():
+    if ((disc < 1) | (disc > len(walls.corner_names)) | (partner > -1) | (partner < -chains)).any():
         raise ValueError("a contact is of no corner or wall")
     if not all((np.abs(corners[name]) <= LARGEST_VALUE).all() for name in ("foot", "spring", "roll")):
         raise ValueError("a contact of a corner has no length")
@@ -416,9 +416,9 @@ def pushed_walls(
     if not walls:
         return PushedWalls()
     outlines = [outline_of(one.wall) for one in walls]
-    found = np.zeros(len(walls), PUSHED)
-    found["half"] = found["before"] = found["force"] = found["listed"] = found["area"] = found["since"] = nan
-    for row, one, outline in zip(found, walls, outlines, strict=True):
+    table = np.zeros(len(walls), PUSHED)
+    table["half"] = table["before"] = table["force"] = table["listed"] = table["area"] = table["since"] = nan
+    for row, one, outline in zip(table, walls, outlines, strict=True):
         row["about"], row["points"] = one.motion.about, len(outline)
         row["arm"] = one.motion.free.arm if one.motion.free else (0.0, 0.0)
         for name, value in rows[one.wall.name].items():
@@ -432,7 +432,7 @@ def pushed_walls(
             corners[name] = array[at]
     kinds = tuple(kind_of(one) for one in walls)
     names = tuple(one.wall.name for one in walls)
-    return PushedWalls(names, kinds, found, np.concatenate(outlines), corners, corner_names(scene.walls))
+    return PushedWalls(names, kinds, table, np.concatenate(outlines), corners, corner_names(scene.walls))
 
 
 def kind_of(one: MovingWall) -> str:
@@ -451,13 +451,13 @@ def outline_of(wall: Wall) -> np.ndarray:
     return np.array(rows)
 
 
-def went_of(row: np.void, pose: Pose) -> Went:
+def went_of(row: np.void, pose: Pose) -> WallState:
     """State of a wall from an earlier run, by its row there; it begins at a pose."""
     values: dict[str, Any] = {
         name: None if np.isnan(row[name]).any() else Pose(*row[name].tolist()) for name in STATE[1:]
     }
     values |= {name: None if np.isnan(row[name]) else float(row[name]) for name in ("area", "since")}
-    return Went(pose, **{**values, "speed": values["speed"] or Pose()})
+    return WallState(pose, **{**values, "speed": values["speed"] or Pose()})
 
 
 # --- forces on stretches of outlines against time: ``pressure.npz``, of the native engine, every step counted ---------
@@ -501,8 +501,8 @@ def read_pressure(path: Path, scene: Scene) -> StretchForces:
         Not there, or no such file of this scene.
     """
     with foreign(DumpError, f"{path.name}: cannot be read", "run the case again"):
-        found = read_arrays(path)
-        steps, means = found["steps"], found["means"]
+        arrays = read_arrays(path)
+        steps, means = arrays["steps"], arrays["means"]
         if means.shape != (len(steps), len(scene.pressure), 3) or not np.isfinite(means).all():
             raise ValueError("it has other stretches, or numbers that are not finite")
         if (np.diff(steps) <= 0).any():

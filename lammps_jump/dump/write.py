@@ -40,7 +40,7 @@ class DumpWriter:
     units : str or None
         Unit style, written with the first frame; None leaves it out.
     append : bool
-        Write behind the frames that the file holds (gzip: as a further member, which readers take as one stream).
+        Write after the frames that the file holds (gzip: as a further member, which readers take as one stream).
 
     Raises
     ------
@@ -127,7 +127,7 @@ def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append:
     dump_format : {'text', 'gz', 'binary'}
         Of `files.DUMP_NAMES`; text has 10 digits, binary is LAMMPS' revision 2.
     append : bool
-        Write behind the frames that are there.
+        Write after the frames that are there.
 
     Raises
     ------

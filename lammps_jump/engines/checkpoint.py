@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""State from which a run goes on, whatever ended it: ``checkpoint.json`` beside the engine's files of its state.
+"""State from which a run goes on, whatever ended it: ``checkpoint.json`` next to the engine's files of its state.
 
 The state is LAMMPS' restart file with the velocities of the half step, or an npz file of the native engine; names hold
 the step. ``checkpoint.json`` names them and every file that a next part appends to, each with its size and SHA-256. It
 is put in its place last and in one move, and the one before stays as ``checkpoint_previous.json``. So there is a whole
-checkpoint whenever a run is killed. What a killed part has appended behind it is cut off before the next part.
+checkpoint whenever a run is killed. What a killed part has appended after it is cut off before the next part.
 """
 
 from __future__ import annotations
@@ -163,9 +163,9 @@ class CheckpointWriter:
 
 
 def put_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
-    """Put ``checkpoint.json`` in its place; what stands there becomes the previous one."""
+    """Puts ``checkpoint.json`` in its place; the file that is there becomes the previous one."""
     path = folder / CHECKPOINT_FILE
-    if path.exists():  # one of the two names always stands
+    if path.exists():  # one of the two names always exists
         name_again(path, folder / PREVIOUS_FILE)
     content = plain(asdict(checkpoint))
     write_json(path, {**content, "sum": sum_of(content)})
@@ -205,8 +205,8 @@ def has_checkpoint(folder: Path) -> bool:
 
 def last_saved(folder: Path) -> float | None:
     """Simulated time of the newest checkpoint, s; None where there is none that can be read."""
-    found = _newest(folder)
-    return found.time if found else None
+    checkpoint = _newest(folder)
+    return checkpoint.time if checkpoint else None
 
 
 def _newest(folder: Path) -> Checkpoint | None:
@@ -235,13 +235,13 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
     for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
         if os.path.lexists(folder / name):
             try:
-                found = _read(folder / name)
+                checkpoint = _read(folder / name)
             except ResumeError as error:
                 trouble = trouble or error
                 continue
             if trouble:
                 log.info(f"note: {str(trouble).removesuffix(f'; {ANEW}')}; the checkpoint before it is used")
-            return found
+            return checkpoint
     if trouble:
         raise trouble
     return None
@@ -250,10 +250,10 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
 def _read(path: Path) -> Checkpoint:
     """A checkpoint whose files are as it says."""
     try:
-        found = _checked(path)
+        checkpoint = _checked(path)
     except (OSError, ValueError) as error:
         raise ResumeError(f"{path}: cannot be read ({error}); {ANEW}") from None
-    for name, entry in {**found.state, **found.outputs}.items():
+    for name, entry in {**checkpoint.state, **checkpoint.outputs}.items():
         place = path.parent / name
         if place.is_symlink():
             raise ResumeError(f"{place}: is a link; a run goes on only with files in its own folder")
@@ -265,7 +265,7 @@ def _read(path: Path) -> Checkpoint:
             )
         if _GrowingFile(place).sum(entry.size) != entry:
             raise ResumeError(f"{place}: is not what the run had written (its SHA-256 differs); {ANEW}")
-    return found
+    return checkpoint
 
 
 def _checked(path: Path) -> Checkpoint:
@@ -273,23 +273,26 @@ def _checked(path: Path) -> Checkpoint:
     content = read_json(path)
     if not isinstance(content, dict):
         raise ValueError("it holds no checkpoint")
-    told = content.pop("sum", None)
+    stored_sum = content.pop("sum", None)
     try:
-        found = TypeAdapter(Checkpoint).validate_json(json.dumps(content), strict=True)
+        checkpoint = TypeAdapter(Checkpoint).validate_json(json.dumps(content), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".lstrip(": ")) from None
-    kinds = ("npz", "restart") if found.result.engine == "lammps" else ("npz",)
-    if set(found.state) != {f"checkpoint-{found.step}.{kind}" for kind in kinds} or found.result.steps != found.step:
-        raise ValueError(f"state: it is not that of step {found.step}")
-    if found.result.kernel not in KERNELS:
-        raise ValueError(f"result.kernel: {echoed(found.result.kernel)} is not known")
-    for name in found.outputs:
+    kinds = ("npz", "restart") if checkpoint.result.engine == "lammps" else ("npz",)
+    if (
+        set(checkpoint.state) != {f"checkpoint-{checkpoint.step}.{kind}" for kind in kinds}
+        or checkpoint.result.steps != checkpoint.step
+    ):
+        raise ValueError(f"state: it is not that of step {checkpoint.step}")
+    if checkpoint.result.kernel not in KERNELS:
+        raise ValueError(f"result.kernel: {echoed(checkpoint.result.kernel)} is not known")
+    for name in checkpoint.outputs:
         if not APPENDED.fullmatch(name):
             raise ValueError(f"outputs: {echoed(name)} is no file that a run appends to")
-    if told != sum_of(content):
+    if stored_sum != sum_of(content):
         raise ValueError("its SHA-256 is not that of its content")
-    return found
+    return checkpoint
 
 
 def remove_checkpoint(folder: Path) -> None:
@@ -300,7 +303,7 @@ def remove_checkpoint(folder: Path) -> None:
 
 
 def join_part(folder: Path) -> None:
-    """Put the binary dump of a part that went on behind that of the part before; the checkpoint then names it so.
+    """Puts the binary dump of a part that went on after that of the part before; the checkpoint then names it so.
 
     The file of the part is deleted last: a process that ends before begins again by `cut_back`.
     """
@@ -310,12 +313,12 @@ def join_part(folder: Path) -> None:
     with open_to_read(part) as source, open_to_write(whole, append=True) as target:
         shutil.copyfileobj(source, target)
     flush(whole)
-    found = _newest(folder)
-    if found is not None and BINARY_PART in found.outputs:
-        outputs = dict(found.outputs)
+    checkpoint = _newest(folder)
+    if checkpoint is not None and BINARY_PART in checkpoint.outputs:
+        outputs = dict(checkpoint.outputs)
         size = outputs[whole.name].size + outputs.pop(BINARY_PART).size
         outputs[whole.name] = _GrowingFile(whole).sum(size)
-        put_checkpoint(folder, replace(found, outputs=outputs))
+        put_checkpoint(folder, replace(checkpoint, outputs=outputs))
         delete(folder / PREVIOUS_FILE)  # it names the part
     delete(part)
 

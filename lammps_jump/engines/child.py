@@ -105,10 +105,10 @@ class Child:
     ) -> RunResult | None:
         """Run a job; None where the process ended without a result."""
         self._send(job)
-        scene, steady, told = job.scene, False, False
+        scene, steady, is_reported = job.scene, False, False
         for line in self.messages:
-            if self.heard and not told:
-                told = True
+            if self.heard and not is_reported:
+                is_reported = True
                 name = signal.Signals(self.heard).name
                 log.info(f"{name}: the run saves its state and ends; a second signal ends it at once")
             begin, mark, text = line.partition(MARK)
@@ -153,7 +153,7 @@ class Child:
 
     @property
     def _input(self) -> IO[str]:
-        assert self.process.stdin is not None  # it was asked for as a pipe
+        assert self.process.stdin is not None  # it was requested as a pipe
         return self.process.stdin
 
     def _tell(self) -> None:

@@ -109,29 +109,29 @@ def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[s
         return setting, [] if wanted in ("auto", 1) else [f"engine.threads: {which} runs on one thread"]
     if wanted != "auto":
         return replace(setting, threads=str(wanted)), []
-    told = os.environ.get(THREADS, "")
-    most = int(told) if told.isdigit() else usable_cores()
+    text = os.environ.get(THREADS, "")
+    most = int(text) if text.isdigit() else usable_cores()
     return replace(setting, threads="1" if setting.ranks > 1 else f"auto:{max(1, min(most, MOST_THREADS))}"), []
 
 
 def usable_kernels() -> tuple[list[str], list[str]]:
     """Kernels of 'stock', 'compiled' and 'native' that run here, and a note for each that does not."""
-    found, notes = [], []
+    usable, notes = [], []
     try:
         check_installed()
-        found.append("stock")
+        usable.append("stock")
         status = availability()
         if status.available:
-            found.append("compiled")
+            usable.append("compiled")
         else:
             notes.append(f"compiled kernel left out: {status.reason}")
     except SetupError as error:
         notes.append(f"LAMMPS left out: {error}")
     if (status := is_available(CORE)).available:
-        found.append("native")
+        usable.append("native")
     else:
         notes.append(f"native engine left out: {status.reason}")
-    return found, notes
+    return usable, notes
 
 
 def free_cores() -> int:
@@ -176,8 +176,8 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
         raise case.source.located(FieldError("engine.ranks", said))
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
     setting, more = choose_threads(engine.threads, setting)
-    asked = case.fields.run
-    setting = replace(setting, dump_format=asked.dump_format, checkpoint_interval=asked.checkpoint_interval)
+    run_fields = case.fields.run
+    setting = replace(setting, dump_format=run_fields.dump_format, checkpoint_interval=run_fields.checkpoint_interval)
     return case, setting, (*chosen, *notes, *more)
 
 

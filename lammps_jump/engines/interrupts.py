@@ -100,7 +100,7 @@ class Request(threading.Event):
 
 
 stop_request, save_request = Request(), Request()
-"""Of this process: to end the run in order, as its parent asked; to write a checkpoint."""
+"""Of this process: to end the run in order, as its parent requested; to write a checkpoint."""
 
 
 at_step: Callable[[int], None] | None = None

@@ -79,10 +79,10 @@ def run(
     if setting.engine == "lammps" and open_to_others(job.folder):
         job = replace(job, script=_script_of(job))
     with child_for(job) as child, handled_by(child.signalled):
-        found = child.run(job, progress, should_stop)
-        if found is None:
-            found = _without_result(job, child)
-    return found
+        run_result = child.run(job, progress, should_stop)
+        if run_result is None:
+            run_result = _without_result(job, child)
+    return run_result
 
 
 def write_inputs(job: Job) -> None:
@@ -114,7 +114,7 @@ def write_inputs(job: Job) -> None:
 def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
     """Write scripts and their side files into a folder; arguments and result as of `script.write_script`.
 
-    Law, walls and bodies of the compiled styles stand in a file of their own, the core's image of the scene.
+    Law, walls and bodies of the compiled styles are in a file of their own, the core's image of the scene.
     """
     path = script.write_script(scene, folder, **options)
     if options.get("kernel") == "compiled" and core() is not None:  # else nothing compiled can run it either
@@ -123,7 +123,7 @@ def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
 
 
 def _options(job: Job) -> dict[str, Any]:
-    """Options of the script of a job, beside its scene."""
+    """Options of the script of a job, other than its scene."""
     setting, resume = job.setting, job.resume
     options: dict[str, Any] = {"dump_format": setting.dump_format, "header": setting.header}
     options |= {"kernel": setting.kernel, "ranks": setting.ranks}
@@ -150,7 +150,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
     error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
     again, outside = last_saved(job.folder), True
     if job.setting.engine == "lammps":
-        found = conclude(job, SteppingOutcome(error="" if child.asked else error, interrupted=child.asked > 0))
+        run_result = conclude(job, SteppingOutcome(error="" if child.asked else error, interrupted=child.asked > 0))
         outside = not (blamed or log)
     else:
         scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
@@ -159,12 +159,14 @@ def _without_result(job: Job, child: Child) -> RunResult:
             reason = "it was ended by force, so its state was not saved"
             ended = interruption(scene, last.step, job.folder, again=again, reason=reason)
         how = "interrupted" if child.asked else "failed"
-        found = RunResult(
+        run_result = RunResult(
             engine=job.setting.engine, kernel=job.setting.kernel, status=how, message=ended, steps=last.step,
             disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
         )  # fmt: skip
     killed = status == -signal.SIGKILL or any(KILLED in line for line in child.output)
-    if found.status != "failed" or not outside or (again is None and not killed):
-        return found
+    if run_result.status != "failed" or not outside or (again is None and not killed):
+        return run_result
     how = "starts it again" if again is None else f"goes on from t = {again:z.4g} s"
-    return replace(found, message=f"{found.message} `{typed('run', job.folder, '--resume')}` {how}.", outside=True)
+    return replace(
+        run_result, message=f"{run_result.message} `{typed('run', job.folder, '--resume')}` {how}.", outside=True
+    )

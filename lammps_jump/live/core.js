@@ -5,7 +5,7 @@ const IMAGE_HEAD = 48;
 const IMAGE_LINE = 64;
 // What a system call answers that is not there: ENOSYS of WASI.
 const NOT_THERE = 52;
-// Why the core stops before the step that it was asked for: RunEnd of core/columns.py.
+// Why the core stops before the step that was requested: RunEnd of core/columns.py.
 const ENDS = ["", "a disc has left the domain, or a wall has come to the seam", "discs overlap too much",
   "a disc touches more others than it can remember"];
 
@@ -14,7 +14,7 @@ class LiveCore {
   constructor(module, image, head) {
     const imports = {};
     for (const one of WebAssembly.Module.imports(module)) (imports[one.module] ??= {})[one.name] = () => NOT_THERE;
-    // how long lists take is measured, and told to nobody here
+    // how long lists take is measured, and reported to nobody here
     Object.assign(imports.wasi_snapshot_preview1 || {}, { clock_time_get: (clock, precision, place) => this.set64(place, performance.now()) });
     this.core = new WebAssembly.Instance(module, imports).exports;
     this.core._initialize();
@@ -103,7 +103,7 @@ class LiveCore {
     first[tracks.length] = BigInt(row);
   }
 
-  // The tracks of the walls as they stand.
+  // The present tracks of the walls.
   tracks() {
     const width = this.head.trackWidth, walls = this.get("state", "walls");
     if (!this.pointer("state", "track_first")) return [];
@@ -157,7 +157,7 @@ class LiveCore {
     return Array.from({ length: walls }, (_, wall) => (place ? Array.from(this.reals(place + 8 * width * wall, 3)) : [0, 0, 0]));
   }
 
-  // Step, ids, places and velocities (m, m/s) of all discs as they stand in memory, for who compares bits.
+  // Step, ids, places and velocities (m, m/s) of all discs as they are in memory, for who compares bits.
   state() {
     const columns = ["ids", "x", "y", "vx", "vy", "fx", "fy", "omega"].map((name) => this.column(name)).filter(Boolean);
     const found = new Uint8Array(16 + 8 * columns.length * this.count), view = new DataView(found.buffer);

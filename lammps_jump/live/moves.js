@@ -68,7 +68,7 @@ class InflowMoves {
   // Discharge (m^2) from the first row to the second, over a time.
   part(h0, h1, u0, u1) { return (2 * h0 * u0 + h0 * u1 + h1 * u0 + 2 * h1 * u1) / 6; }
 
-  // A row behind all discs that are known.
+  // A row after all discs that are known.
   add(row) {
     const [t0, h0, u0] = this.last, [t1, h1, u1] = row;
     const before = this.sums[this.sums.length - 1];
@@ -219,7 +219,7 @@ class Moves {
     moves.add([next, here[1], speed]);
   }
 
-  // Discs that enter up to a tick: what comes behind it is not known yet.
+  // Discs that enter up to a tick: what comes after it is not known yet.
   letIn(tick) {
     this.inflow.upto(this.time(tick));
     this.core.setTurns(this.inflow.turns);
@@ -246,7 +246,7 @@ class Moves {
     this.begun = { ...this.numbers };
   }
 
-  // What the case of this flow has beside that of the page.
+  // What the case of this flow has in addition to that of the page.
   tables() {
     return {
       walls: [...this.walls].map(([wall, { rows }]) => [wall, rows]), inflow: this.inflow && this.inflow.rows,

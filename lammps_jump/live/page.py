@@ -2,7 +2,7 @@
 """Writes a live page: one file with the core, the image of the scene, what scripts need to know, and the scripts.
 
 Its policy names the hashes of its own scripts and allows WebAssembly. The thread that computes is in the page, too.
-No network is asked for anything. Words of the case stay text.
+No network is used. Words of the case stay text.
 
 Of a finished run the page holds the start and hashes, computes the run again, and holds it against what was stored. Ten
 frames of the dump are compared to the digits that it has; states at the same times and the end to the last bit. Only
@@ -89,7 +89,7 @@ class RunAgain:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A finished run as a page shows it beside a flow that goes on from it.
+    """A finished run as a page shows it next to a flow that goes on from it.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ STEPS_A_TICK = 20
 MOST_ROWS, MOST_TIMES = 5_000, 1_000
 """Rows of a table of motion and of an inflow that a page makes; the case has no room for more of the latter."""
 SHADES = 64
-"""Radii that are told apart."""
+"""Radii that are distinguished."""
 SECONDS_TO_TURN = 1.0
 """In which the discharge goes through its range."""
 UNITS = {"contact.friction": "", "contact.restitution": "", "gravity": "m/s²", "slope": "°", "inflow": "m²/s"}
@@ -196,7 +196,7 @@ def live_page(
     again : RunAgain or str
         A run that the page also computes again, or why it does not.
     recorded : Recorded, optional
-        The run that the starts are moments of: it is drawn beside the flow, at the same time.
+        The run that the starts are moments of: it is drawn next to the flow, at the same time.
 
     Raises
     ------
@@ -268,7 +268,7 @@ def _about_again(again: RunAgain | str) -> dict[str, str] | None:
 
 
 def require_place(path: Path) -> None:
-    """SetupError where something stands at a path that is no live page."""
+    """SetupError where something exists at a path that is no live page."""
     with suppress(OSError):  # a link, no regular file, or nothing
         if not path.is_symlink() and read_start(path, len(MADE)) == MADE:
             return
@@ -280,12 +280,12 @@ def require_place(path: Path) -> None:
 def write_page(
     flow: LiveFlow | Sequence[LiveStart], path: Path, again: RunAgain | str = "", recorded: Recorded | None = None
 ) -> Path:
-    """Write the page of `live_page`, in place of a live page that stands there.
+    """Writes the page of `live_page`, in place of a live page that is there.
 
     Raises
     ------
     SetupError
-        Something else stands there, the file cannot be written, or the core for browsers is not there.
+        Something else is there, the file cannot be written, or the core for browsers is not there.
     """
     require_place(path)
     text = live_page(flow, again, recorded)
@@ -334,32 +334,32 @@ def head_of(flow: LiveFlow, core: BrowserCore) -> dict[str, Any]:
 
 def fields() -> dict[str, dict[str, int]]:
     """Offsets of the fields of structs of the core, as a browser has them, and the size of an inlet."""
-    found = {}
+    by_name = {}
     for name, struct in (("state", jump_state), ("events", jump_events), ("inlet", jump_inlet)):
         narrow = narrowed(struct, WORD)
-        found[name] = {field: getattr(narrow, field).offset for field, *_ in struct._fields_}
-    return found | {"inlet": found["inlet"] | {"size": sizeof(narrowed(jump_inlet, WORD))}}
+        by_name[name] = {field: getattr(narrow, field).offset for field, *_ in struct._fields_}
+    return by_name | {"inlet": by_name["inlet"] | {"size": sizeof(narrowed(jump_inlet, WORD))}}
 
 
 def _slider(flow: LiveFlow, name: str, one: LiveSlider) -> dict[str, Any]:
     """A slider, as scripts and template have it."""
     low, high = one.range
     step = float(f"{(high - low) / PARTS:.1g}")
-    found: dict[str, Any] = {"name": name, "low": low, "high": high, "step": step}
+    entry: dict[str, Any] = {"name": name, "low": low, "high": high, "step": step}
     if one.wall:
         walls = [wall.name for wall, _ in flow.simulation.scene.walls]
         unit = "°" if one.move == "turn" else "m"
         axis = ("x", "y", "turn").index(one.move or "x")
-        return {**found, "kind": "wall", "wall": walls.index(one.wall), "axis": axis, "rate": one.rate, "value": 0.0,
+        return {**entry, "kind": "wall", "wall": walls.index(one.wall), "axis": axis, "rate": one.rate, "value": 0.0,
                 "unit": unit, "label": f"{one.wall} {('moved along x', 'raised', 'turned')[axis]} by"}  # fmt: skip
     unit, label = UNITS[one.path], name if one.path != "inflow" else "discharge"
     if one.path == "inflow":
         depth, speed = flow.case.fields.inflow.over(0.0, 0.0)  # type: ignore[union-attr]
         value = round(depth * speed, 6)
-        return {**found, "kind": "inflow", "rate": (high - low) / SECONDS_TO_TURN, "value": value, "unit": unit,
+        return {**entry, "kind": "inflow", "rate": (high - low) / SECONDS_TO_TURN, "value": value, "unit": unit,
                 "low": min(low, value), "high": max(high, value), "label": label}  # fmt: skip
     stops = [vars(stop) for stop in flow.stops[name]]
-    return {**found, "kind": "number", "path": one.path, "value": float(flow.case[one.path]), "unit": unit,
+    return {**entry, "kind": "number", "path": one.path, "value": float(flow.case[one.path]), "unit": unit,
             "label": label, "stops": stops}  # fmt: skip
 
 
@@ -384,8 +384,8 @@ def _inflow(flow: LiveFlow) -> dict[str, Any] | None:
 def _felt(flow: LiveFlow) -> list[int]:
     """Numbers of the walls whose force is shown."""
     scene = flow.simulation.scene
-    asked = {*scene.probes, *(wall.name for wall, _ in scene.bodies), *(one.wall for one in flow.sliders.values())}
-    return [number for number, (wall, _) in enumerate(scene.walls) if wall.name in asked]
+    requested = {*scene.probes, *(wall.name for wall, _ in scene.bodies), *(one.wall for one in flow.sliders.values())}
+    return [number for number, (wall, _) in enumerate(scene.walls) if wall.name in requested]
 
 
 def _front(flow: LiveFlow) -> dict[str, Any]:
@@ -401,16 +401,16 @@ def _front(flow: LiveFlow) -> dict[str, Any]:
 
 def about(flow: LiveFlow) -> dict[str, Any]:
     """Facts of the run for the drawing modules."""
-    scene, asked = flow.simulation.scene, flow_of(flow.case)
-    packer = FramePacker(asked, maps=False)
+    scene, wanted_flow = flow.simulation.scene, flow_of(flow.case)
+    packer = FramePacker(wanted_flow, maps=False)
     frame = take_frame(flow.simulation)
     packer.add(frame, scene.time(flow.simulation.step))
-    found = about_run(packer, HERE)
+    description = about_run(packer, HERE)
     radii = 0.5 * np.linspace(scene.smallest, scene.largest, SHADES if scene.largest > scene.smallest else 1)
-    x, (low, high) = seen(packer.sample(), asked)
+    x, (low, high) = seen(packer.sample(), wanted_flow)
     high += max([0.0, *(one.range[1] for one in flow.sliders.values() if one.move == "y")])
     fastest = max(top_of([disc_speeds(frame)]), _fall(high - low, scene.gravity))
-    return {**found, "seen": (x, (low, high)), "fastest": float(f"{fastest:.2g}"), "radii": radii, "share": 1.0,
+    return {**description, "seen": (x, (low, high)), "fastest": float(f"{fastest:.2g}"), "radii": radii, "share": 1.0,
             "map": None, "q": 1.0, "qv": 1.0, "numbers": _numbers(flow)}  # fmt: skip
 
 
@@ -460,15 +460,15 @@ def charts_of(
     ]
     one = [("here", "first")] if recorded else [("", "first")]
     empty = [Trace("as it was", np.empty(0), np.empty(0), AS_IT_WAS[0])] if recorded else []
-    found = {}
+    charts = {}
     if names:
-        found["force"] = _chart("Force of the discs on walls, along x", "Force F_x [kN/m]", lines, was)
-    found["front"] = _chart(head["front"]["title"], "Place x [m]", one, empty)
+        charts["force"] = _chart("Force of the discs on walls, along x", "Force F_x [kN/m]", lines, was)
+    charts["front"] = _chart(head["front"]["title"], "Place x [m]", one, empty)
     if (place := head["depthAt"]) is not None:
-        found["depth"] = _chart(f"Depth by mass at x = {place:z.4g} m", "Depth [m]", one, empty)
+        charts["depth"] = _chart(f"Depth by mass at x = {place:z.4g} m", "Depth [m]", one, empty)
     own = len(lines)
-    places = {name: {"number": k, "own": own if name == "force" else 1} for k, name in enumerate(found)}
-    return list(found.values()), places
+    places = {name: {"number": k, "own": own if name == "force" else 1} for k, name in enumerate(charts)}
+    return list(charts.values()), places
 
 
 def _chart(title: str, y: str, lines: list[tuple[str, str]], more: Sequence[Trace] = ()) -> dict[str, Any]:

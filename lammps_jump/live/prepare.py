@@ -105,26 +105,26 @@ def _begin(image: bytes) -> int:
 def _numbers_of(simulation: NativeSimulation) -> Words:
     """Numbers of law and weight, with their places in the image."""
     image, state, events = placed_image(simulation, 0, WORD)
-    found = [*_of_struct(image, state), *_of_struct(image, events)]
+    numbers = [*_of_struct(image, state), *_of_struct(image, events)]
     for name in TABLES:
-        found += _of_table(image, getattr(state, name))
+        numbers += _of_table(image, getattr(state, name))
     if state.corners:
         corners = image.known[state.corners]
-        found += [*_of_struct(image, corners), *_of_table(image, corners.at_wall)]
-    return found
+        numbers += [*_of_struct(image, corners), *_of_table(image, corners.at_wall)]
+    return numbers
 
 
 def _of_struct(image: Image, struct: ctypes.Structure) -> Words:
     """Its numbers, and those of structs in it."""
-    begin, narrow, found = image.places[addressof(struct)], narrowed(type(struct), WORD), []
+    begin, narrow, numbers = image.places[addressof(struct)], narrowed(type(struct), WORD), []
     for name, kind, *_ in type(struct)._fields_:
         place = begin + getattr(narrow, name).offset
         if kind is c_double:
-            found.append((place, float(getattr(struct, name))))
+            numbers.append((place, float(getattr(struct, name))))
         elif kind is not c_void_p and issubclass(kind, ctypes.Structure):
             raw = np.frombuffer(bytes(getattr(struct, name)), "<f8")
-            found += [(place + 8 * k, float(number)) for k, number in enumerate(raw)]
-    return found
+            numbers += [(place + 8 * k, float(number)) for k, number in enumerate(raw)]
+    return numbers
 
 
 def _of_table(image: Image, address: int | None) -> Words:
@@ -240,7 +240,7 @@ def refuse(case: ReadCase) -> None:
 
 def sensible(case: ReadCase) -> dict[str, LiveSlider]:
     """Sliders of a case that names none."""
-    fields, found = case.fields, {}
+    fields, live_sliders = case.fields, {}
     high = _height(case)
     for wall in fields.walls:
         motion = getattr(wall, "motion", None)
@@ -248,21 +248,21 @@ def sensible(case: ReadCase) -> dict[str, LiveSlider]:
             continue  # lines of one join have one motion
         if isinstance(motion, Oscillate | TableMotion):
             if one := _along(wall.name, motion):
-                found[wall.name] = one
+                live_sliders[wall.name] = one
         elif motion is None and wall.name in fields.probes.forces and getattr(wall, "finite", False):
-            found[wall.name] = LiveSlider(path=f"walls.{wall.name}", move="y", range=(-0.5 * high, 0.5 * high))
+            live_sliders[wall.name] = LiveSlider(path=f"walls.{wall.name}", move="y", range=(-0.5 * high, 0.5 * high))
     inflow = fields.inflow
     if isinstance(inflow, RowsInflow) and inflow.table is None and inflow.schedule == "exact":
         depth, speed = inflow.over(0.0, 0.0)
         low, top = (float(f"{share * depth * speed:.3g}") for share in (0.75, 1.25))
-        found["discharge"] = LiveSlider(path="inflow", range=(low, top))
+        live_sliders["discharge"] = LiveSlider(path="inflow", range=(low, top))
     if fields.contact.friction > 0:
-        found["friction"] = LiveSlider(path="contact.friction", range=(0.05, max(1.0, fields.contact.friction)))
+        live_sliders["friction"] = LiveSlider(path="contact.friction", range=(0.05, max(1.0, fields.contact.friction)))
     if 0.05 <= fields.contact.restitution <= 0.95:
-        found["restitution"] = LiveSlider(path="contact.restitution", range=(0.05, 0.95))
+        live_sliders["restitution"] = LiveSlider(path="contact.restitution", range=(0.05, 0.95))
     if fields.gravity > 0 and fields.seam is None and abs(fields.slope) < 10:
-        found["slope"] = LiveSlider(path="slope", range=(-10, 10))
-    return found
+        live_sliders["slope"] = LiveSlider(path="slope", range=(-10, 10))
+    return live_sliders
 
 
 def _height(case: ReadCase) -> float:
@@ -289,7 +289,7 @@ def _along(name: str, motion: Oscillate | TableMotion) -> LiveSlider | None:
 
 def prepare(
     given: ReadCase,
-    told: Told = lambda text: None,
+    report: Told = lambda text: None,
     *,
     numbers: bool = True,
     like: Mapping[str, LiveSlider] | None = None,
@@ -299,7 +299,7 @@ def prepare(
     Parameters
     ----------
     given : ReadCase
-    told : callable
+    report : callable
         Hears what is being done.
     numbers : bool
         Also make the sliders of numbers of the case, for which it is set up with each of their values.
@@ -326,9 +326,9 @@ def prepare(
     stops = {}
     for name, one in sliders.items():
         if numbers and one.path in NUMBERS:
-            told(f"{name}: setting the case up with {STOPS} values of {one.path}")
-            if found := _stops(case, one, simulation, asked=own is not None):
-                stops[name] = found
+            report(f"{name}: setting the case up with {STOPS} values of {one.path}")
+            if stops_made := _stops(case, one, simulation, asked=own is not None):
+                stops[name] = stops_made
     sliders = {name: one for name, one in sliders.items() if one.path not in NUMBERS or name in stops}
     _require_apart(sliders, stops)
     case = case.replace(
@@ -338,9 +338,9 @@ def prepare(
         }
     )
     if scene.settle_steps:
-        told("letting the discs settle")
+        report("letting the discs settle")
         simulation.run(scene.settle_steps)
-        stops = {name: tuple(replace(stop, start=None) for stop in found) for name, found in stops.items()}
+        stops = {name: tuple(replace(stop, start=None) for stop in stops_made) for name, stops_made in stops.items()}
     return LiveFlow(case, sliders, simulation, stops, target, discs, tuple(_notes(given, case, sliders)))
 
 
@@ -369,19 +369,19 @@ def with_fewer(given: ReadCase, flow: LiveFlow) -> list[LiveStart]:
 
 
 def from_times(
-    given: ReadCase, run: Path, times: Sequence[float | str], told: Told = lambda text: None, *, numbers: bool = True
+    given: ReadCase, run: Path, times: Sequence[float | str], report: Told = lambda text: None, *, numbers: bool = True
 ) -> list[LiveStart]:
     """Starts with the discs of a run at some times, s, or at its end (``last``); see `prepare`."""
-    found: list[LiveStart] = []
+    live_starts: list[LiveStart] = []
     for time in times:
         case = given.after(run, time)
         moment = next(iter(case.source.begun.values())).state.time
-        if any(one.time == moment for one in found):
+        if any(one.time == moment for one in live_starts):
             continue  # the same frame is nearest
-        told(f"from t = {moment:zg} s of the run")
-        flow = prepare(case, told, numbers=numbers)
-        found.append(LiveStart(f"from t = {moment:zg} s of the run", flow, moment))
-    return found
+        report(f"from t = {moment:zg} s of the run")
+        flow = prepare(case, report, numbers=numbers)
+        live_starts.append(LiveStart(f"from t = {moment:zg} s of the run", flow, moment))
+    return live_starts
 
 
 class FrameInterval(NamedTuple):
@@ -408,7 +408,7 @@ class FrameInterval(NamedTuple):
 def _changes(case: ReadCase, sliders: Mapping[str, LiveSlider]) -> dict[str, Any]:
     """Changes of a case that its page needs."""
     fields, frame = case.fields, FrameInterval.of(case)
-    found: dict[str, Any] = {
+    changes: dict[str, Any] = {
         "engine": {"name": "native", **({"skin": fields.engine.skin} if fields.engine.skin else {})},
         "run.output_interval": frame.interval,
         "run.duration": max(1, round(fields.run.duration / frame.interval)) * frame.interval,
@@ -419,10 +419,10 @@ def _changes(case: ReadCase, sliders: Mapping[str, LiveSlider]) -> dict[str, Any
         "live": {name: one.model_dump(exclude_none=True) for name, one in sliders.items()},
     }
     for wall in {one.wall for one in sliders.values() if one.wall}:
-        found[f"walls.{wall}.motion"] = {"kind": "table", "points": [[0, 0, 0, 0]]}
+        changes[f"walls.{wall}.motion"] = {"kind": "table", "points": [[0, 0, 0, 0]]}
     if any(one.path == "inflow" for one in sliders.values()) and isinstance(fields.inflow, RowsInflow):
-        found["inflow"] = _tabled(fields.inflow, next(one for one in sliders.values() if one.path == "inflow"))
-    return found
+        changes["inflow"] = _tabled(fields.inflow, next(one for one in sliders.values() if one.path == "inflow"))
+    return changes
 
 
 def _tabled(inflow: RowsInflow, slider: LiveSlider) -> dict[str, Any]:
@@ -466,26 +466,26 @@ def _entering(case: ReadCase, target: int) -> int:
 
 
 def _stops(case: ReadCase, slider: LiveSlider, base: NativeSimulation, *, asked: bool) -> tuple[NumberStop, ...]:
-    """The values of a slider that changes a number; none where a flow cannot take them and no slider was asked for."""
+    """The values of a slider that changes a number; none where a flow cannot take them and no slider was given."""
     own = float(case[slider.path])
     values = {float(f"{value:.6g}") for value in np.linspace(*slider.range, STOPS)} | {own}
-    found, core = [], PlacedWords(base)
+    stops, core = [], PlacedWords(base)
     for value in sorted(values):
         try:
             scene = case.replace({slider.path: value}).scene()
             other = NativeSimulation(scene, ledger=False)
-            found.append(NumberStop(value, *core.against(other)))
+            stops.append(NumberStop(value, *core.against(other)))
         except JumpError as error:
             if asked:
                 raise CaseError(f"live: {slider.path} = {value:z.6g}: {error}") from None
-    return tuple(found) if len(found) > 1 and own in [stop.value for stop in found] else ()
+    return tuple(stops) if len(stops) > 1 and own in [stop.value for stop in stops] else ()
 
 
 def _require_apart(sliders: Mapping[str, LiveSlider], stops: Mapping[str, Iterable[NumberStop]]) -> None:
     """CaseError where two sliders change the same numbers of the core: one would undo the other."""
     taken: dict[int, str] = {}
-    for name, found in stops.items():
-        own = {place for stop in found for place, _ in stop.words}
+    for name, places in stops.items():
+        own = {place for stop in places for place, _ in stop.words}
         for place in own:
             if place in taken:
                 raise CaseError(
@@ -503,7 +503,7 @@ def _notes(given: ReadCase, case: ReadCase, sliders: Mapping[str, LiveSlider]) -
     frames = iter(given.source.begun.values())
     for item in given.fields.initial:
         if isinstance(item, EarlierRun):
-            frame = next(frames, None)  # the one nearest to the time that was asked for
+            frame = next(frames, None)  # the one nearest to the time that was requested
             time = frame.state.time if frame and item.time is not None else item.time
             moment = "its end" if time is None else f"t = {time:zg} s"
             yield (
@@ -511,9 +511,9 @@ def _notes(given: ReadCase, case: ReadCase, sliders: Mapping[str, LiveSlider]) -
                 "downloaded case names that folder: run it where the folder is."
             )
     if any(one.path in NUMBERS for one in sliders.values()):
-        told = ", ".join(name for name, one in sliders.items() if one.path in NUMBERS)
+        names = ", ".join(name for name, one in sliders.items() if one.path in NUMBERS)
         yield (
-            f"Not in a downloaded case: changes of {told} while the flow runs, as a case has no table of them. Set "
+            f"Not in a downloaded case: changes of {names} while the flow runs, as a case has no table of them. Set "
             "them and begin again from the start, and they are."
         )
     if isinstance(given.fields.inflow, RowsInflow) and case.fields.inflow != given.fields.inflow:

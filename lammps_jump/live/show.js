@@ -92,7 +92,7 @@ function say(name, text) {
 function addPoints({ time, forces, playing }) {
   if (time < live.since) clearPoints();
   if (time >= live.since + live.every) addPoint(time, forces);
-  if (playing && performance.now() - live.curvesAt < CURVES_EVERY) return;  // a flow that stands shows all of them
+  if (playing && performance.now() - live.curvesAt < CURVES_EVERY) return;  // a flow that pauses shows all of them
   live.curvesAt = performance.now();
   document.dispatchEvent(new Event("curves"));
 }
@@ -147,7 +147,7 @@ function depthOf(p) {
   return p.depth[Math.floor((live.head.depthAt - low) / width)] ?? null;
 }
 
-// ---- the run as it was recorded, beside ----
+// ---- the run as it was recorded, next to it ----
 
 // What view.js draws of a run of the page, but for what is shown of it.
 function playerOf(element, run) {
@@ -159,7 +159,7 @@ function playerOf(element, run) {
   };
 }
 
-// Both drawings have the same axes and colours; curves of the recorded one are found once.
+// Both drawings have the same axes and colours; curves of the recorded one are computed once.
 function joinViews() {
   const element = document.getElementById("was");
   if (!element || live.was) return;
@@ -258,7 +258,7 @@ function nearestStop({ stops }, wanted) {
   return stops.map(({ value }) => value).reduce((a, b) => (Math.abs(b - wanted) < Math.abs(a - wanted) ? b : a));
 }
 
-// Where the sliders stand, of those that this start has.
+// The present values of the sliders, of those that this start has.
 function valuesNow() {
   return Object.fromEntries(live.head.sliders.map(({ name }) => [name, live.values[name]()]));
 }
@@ -274,7 +274,7 @@ function oneStep() {
   live.worker.postMessage({ act: "step", steps: 1 });
 }
 
-// From the start: walls and inflow go to where their sliders stand, numbers of the case are those of theirs at once.
+// From the start: walls and inflow go to where their sliders are, numbers of the case are those of theirs at once.
 function again() {
   clearPoints();
   const values = valuesNow();

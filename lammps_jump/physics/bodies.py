@@ -57,13 +57,13 @@ def kinds_that_fit(masses: np.ndarray, diameters: np.ndarray, density: float | N
         Of the material, kg/m^3. A kind whose density lies within `FITS` of it fits. Without it, one does whose masses
         go with its power of the diameter, and whose density is that of a material.
     """
-    found = {kind: density_of(kind, masses, diameters) for kind in SHAPES}
+    densities = {kind: density_of(kind, masses, diameters) for kind in SHAPES}
     if density is not None:
-        return tuple(kind for kind, value in found.items() if abs(value / density - 1.0) <= FITS)
+        return tuple(kind for kind, value in densities.items() if abs(value / density - 1.0) <= FITS)
     low, high = MATERIALS
     scaled = {kind: masses / diameters**power for kind, (power, _) in SHAPES.items()}
     alike = {kind for kind, values in scaled.items() if np.ptp(values) <= SAME * np.mean(values)}
-    return tuple(kind for kind, value in found.items() if kind in alike and low <= value <= high)
+    return tuple(kind for kind, value in densities.items() if kind in alike and low <= value <= high)
 
 
 # --- rigid bodies of an outline ---------------------------------------------------------------------------------------

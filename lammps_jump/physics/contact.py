@@ -423,8 +423,8 @@ def own_wall_law(
     c = coefficients
     defaults = c.stiffness_wall, c.restitution, c.friction
     stiffness, restitution, friction = (b if a is None else a for a, b in zip(own[:3], defaults, strict=True))
-    found = _side(given, c.time_step, stiffness, c.mass, restitution, friction)
-    return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction, own[3])
+    side = _side(given, c.time_step, stiffness, c.mass, restitution, friction)
+    return WallLaw(stiffness, side["gamma_normal"], side["gamma_tangential"], friction, own[3])
 
 
 def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: float, integrator: str) -> float:

@@ -103,7 +103,7 @@ def creep_speed(gravity: float, slope: float, damping: float) -> float:
 GATE_LOOKS = 20
 """Looks of a gate in its response."""
 COMING_UP = 0.75
-"""Share of a travel there and back in which a wave comes up against the stream: 0.65 behind jumps of Froude numbers
+"""Share of a travel there and back in which a wave comes up against the stream: 0.65 after jumps of Froude numbers
 from 3 to 9, and some more. With half of it gates in discs swing by 0.2 m in place of 0.1 m (measured)."""
 RESET = 2.0
 """Time in which a gate makes up what a front is off, over t of `gate_gains`; the rule has 4. Of a jet of Froude number
@@ -153,7 +153,7 @@ def gate_gains(response: float, travel: float, length: float, rise: float = 0.0)
     """Gains of a gate, proportional (1/m) and integral (1/s), by a response and the travel of a wave, s.
 
     Depth at a place answers the gate after a travel: the gate moves at (target - depth) / response. A front goes on
-    moving while the gate stands wrong, so that this alone would swing ever wider. It also needs the change of the area
+    moving while the gate is misplaced, so that this alone would swing ever wider. It also needs the change of the area
     A of the stream before the gate, which answers at once, nearly as A' = (L/T) (z - z of rest). By the rule for such a
     process (Skogestad 2003, J. Process Control 13:291) z' = (T/t) ((front - target) rise/(i t) - A'/L), where t is at
     least the time in which a wave comes up: `COMING_UP` of tau; i is `RESET`.
@@ -203,7 +203,7 @@ def gate_sees(holding: Holding, areas: np.ndarray) -> tuple[float, float]:
 def gate_speed(holding: Holding, place: float, seen: float, lost: float, interval: float) -> float:
     """Speed of a gate up to its next look, m/s: no faster than it can be, and not beyond its way.
 
-    Its place is the only sum that it keeps, so that nothing winds up while it stands at an end or moves at its fastest.
+    Its place is the only sum that it keeps, so that nothing winds up while it is at an end or moves at its fastest.
 
     Parameters
     ----------

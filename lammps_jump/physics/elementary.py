@@ -23,7 +23,7 @@ TWO_OVER_PI = int(
     "4f463f669e5fea2d7527bac7ebe5f17b3d0739f78a5292ea6bfb5fb11f8d5d0856033046",
     16,
 )
-"""Binary digits of 2/pi behind the point: 1184 of them, enough for the largest double."""
+"""Binary digits of 2/pi after the point: 1184 of them, enough for the largest double."""
 DIGITS, WINDOW = 1184, 192
 QUARTER_TURN = (1.5707963267948966, 6.123233995736766e-17)
 """pi/2, and what this double lacks of it."""
@@ -79,7 +79,7 @@ def _sum(a: float, b: float) -> tuple[float, float]:
 def _reduced(x: float) -> tuple[int, float, float]:
     """Quadrant of a finite x > pi/4, and what is left of it, within ± pi/4, with the error of that double."""
     fraction, exponent = frexp(x)
-    mantissa, begin = int(ldexp(fraction, 53)), exponent - 53 - 2 + 64  # 64 digits 0 stand before the point
+    mantissa, begin = int(ldexp(fraction, 53)), exponent - 53 - 2 + 64  # 64 digits 0 precede the point
     window = (TWO_OVER_PI >> (DIGITS + 64 - begin - WINDOW)) & ((1 << WINDOW) - 1)
     turned = (mantissa * window) & ((1 << WINDOW) - 1)  # 4 quadrants are 2^192
     quadrant = (turned >> (WINDOW - 2)) + (turned >> (WINDOW - 3) & 1) & 3

@@ -47,8 +47,8 @@ def number_shares(low: np.ndarray, high: np.ndarray, masses: np.ndarray) -> np.n
         Shares in the mass; their sum is 1.
     """
     numbers = masses / mean_squares(low, high)
-    found: np.ndarray = numbers / fsum(numbers)  # in one order on every system
-    return found
+    shares: np.ndarray = numbers / fsum(numbers)  # in one order on every system
+    return shares
 
 
 def passing(shares: np.ndarray, low: np.ndarray, high: np.ndarray, sizes: ArrayLike, power: int = 2) -> np.ndarray:
@@ -69,8 +69,8 @@ def passing(shares: np.ndarray, low: np.ndarray, high: np.ndarray, sizes: ArrayL
     cut, width = np.clip(s, low, high), np.where(wide, high - low, 1.0)
     below = np.where(wide, (cut ** (power + 1) - low ** (power + 1)) / ((power + 1) * width), (s >= high) * low**power)
     whole = np.where(wide, (high ** (power + 1) - low ** (power + 1)) / ((power + 1) * width), low**power)
-    found: np.ndarray = (below @ shares) / (whole @ shares)
-    return found
+    parts_passing: np.ndarray = (below @ shares) / (whole @ shares)
+    return parts_passing
 
 
 def diameter_at(shares: np.ndarray, low: np.ndarray, high: np.ndarray, part: float, power: int = 2) -> float:
@@ -112,5 +112,5 @@ def passing_error(shares: np.ndarray, low: np.ndarray, high: np.ndarray, sizes: 
     whole = np.where(high > low, (high**5 - low**5) / (5.0 * np.where(high > low, high - low, 1.0)), low**4) @ shares
     mean = mean_squares(low, high) @ shares
     variance = whole * ((1 - by_mass) ** 2 * fourth + by_mass**2 * np.maximum(1 - fourth, 0.0))
-    found: np.ndarray = np.sqrt(variance / max(count, 1.0)) / mean
-    return found
+    errors: np.ndarray = np.sqrt(variance / max(count, 1.0)) / mean
+    return errors

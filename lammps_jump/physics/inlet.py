@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rows of an inflow of discs that carry the discharge asked for, steady or against time.
+"""Rows of an inflow of discs that carry the requested discharge, steady or against time.
 
 The thesis (4.1-4.2) fills the depth with touching rows and lets a disc follow at 1.02 diameters. Rows so close drag
 each other: 3 % of the discs are refused, and intervals in whole steps lose more. Here there are more rows. The discs of
-a row are `LEAST_GAP` or more apart, none is refused, and the mass depth is the depth asked for.
+a row are `LEAST_GAP` or more apart, none is refused, and the mass depth is the requested depth.
 
 Between two rows of the table depth h and speed u are linear in time, so that the discharge h u is a parabola and what
 came in, its integral, a cubic. At a depth h there are K rows as in a steady inflow (`inlet.row_count`), and row i
@@ -35,7 +35,7 @@ ROUNDING = REFUSAL_GAP / LEAST_GAP
 COARSEST_RASTER = 8
 """Steps of the first raster tried; a finer one where discharge or gaps would be off."""
 LARGEST_ERROR = 1e-3
-"""Relative error of the planned discharge that a raster coarser than a step may have: less than what is told."""
+"""Relative error of the planned discharge that a raster coarser than a step may have: less than is reported."""
 EXACT = 2e-4
 """Relative error of the planned discharge at which no interval is changed any more."""
 
@@ -114,7 +114,7 @@ def seed_factors(rows: int, seed: int) -> tuple[float, ...]:
 
 
 def whole_intervals(ideal: np.ndarray, wanted: float) -> np.ndarray:
-    """Whole numbers near `ideal`, each within 1 of it, whose reciprocals add up to `wanted` as nearly as found.
+    """Whole numbers near `ideal`, each within 1 of it, whose reciprocals add up to nearly `wanted`.
 
     Begins with the rounded numbers. Then it changes one number by 1, or two against each other, whichever helps most,
     until the relative error is below `EXACT` or nothing helps.
@@ -252,10 +252,10 @@ class Hydrograph:
     def _sums(self) -> tuple[np.ndarray, np.ndarray]:
         """Integrals of depth (m s) and of discharge (m^2) from the first row to each row."""
         t, h, u = (np.array(column) for column in (self.times, self.depths, self.speeds))
-        found = np.zeros((2, len(t)))
-        found[0, 1:] = np.cumsum(np.diff(t) * 0.5 * (h[1:] + h[:-1]))
-        found[1, 1:] = np.cumsum(np.diff(t) * _parabola(h[:-1], h[1:], u[:-1], u[1:]))
-        return found[0], found[1]
+        sums = np.zeros((2, len(t)))
+        sums[0, 1:] = np.cumsum(np.diff(t) * 0.5 * (h[1:] + h[:-1]))
+        sums[1, 1:] = np.cumsum(np.diff(t) * _parabola(h[:-1], h[1:], u[:-1], u[1:]))
+        return sums[0], sums[1]
 
     @property
     def rise(self) -> float:
@@ -267,11 +267,11 @@ class Hydrograph:
     def leap(self) -> tuple[float, float]:
         """Largest ratio of a speed to that `TRAVEL` depths of the stream before, and the time of the lower one, s."""
         depth = max(self.depths)
-        found = [
+        leaps = [
             (float(self.speed(time + TRAVEL * depth / speed)) / speed, time)
             for time, speed in zip(self.times, self.speeds, strict=True)
         ]
-        return max(found, key=lambda one: one[0])
+        return max(leaps, key=lambda one: one[0])
 
     def least_gap(self, asked: float) -> float:
         """Least distance of followers in a row, in largest diameters: `asked`, or more where the speed grows.
@@ -342,7 +342,7 @@ def entries_of_rows(
     most = int(rows.max(initial=0))
     shape = np.array([power(i + 0.5, 1.0 / 7.0 if profile == "power_law" else 0.0) for i in range(most)])
     whole = np.append(np.inf, np.cumsum(shape))  # no row carries anything where there are none
-    found = []
+    row_entries = []
     for row in range(most):
         share = np.where(rows > row, shape[row] / whole[rows], 0.0)
         phase = np.append(0.0, np.cumsum(share * np.diff(carried) / mean_square))
@@ -350,17 +350,17 @@ def entries_of_rows(
         piece = np.searchsorted(phase, owed) - 1
         wanted = carried[piece] + (owed - phase[piece]) * mean_square / share[piece]
         times = graph._times_of(wanted, ends[piece], ends[piece + 1])
-        found.append(RowEntries(times, rows[piece] * share[piece]))
-    return found
+        row_entries.append(RowEntries(times, rows[piece] * share[piece]))
+    return row_entries
 
 
 def _pieces(graph: Hydrograph, duration: float, layer: float) -> np.ndarray:
     """Times (s) between which the number of rows, each `layer` deep, stays and depth and speed are straight lines."""
     inner = [t for t in graph.times if 0 < t < duration]
     ends = np.array([0.0, *inner, duration])
-    depths, found = graph.depth(ends), [ends]
+    depths, pieces = graph.depth(ends), [ends]
     for t0, t1, h0, h1 in zip(ends[:-1], ends[1:], depths[:-1], depths[1:], strict=True):
         low, high = sorted((h0, h1))
         levels = layer * np.arange(floor(low / layer) + 1, floor(high / layer) + 1)
-        found.append(t0 + (t1 - t0) * (levels - h0) / (h1 - h0 or 1.0))
-    return np.unique(np.concatenate(found))
+        pieces.append(t0 + (t1 - t0) * (levels - h0) / (h1 - h0 or 1.0))
+    return np.unique(np.concatenate(pieces))

@@ -145,7 +145,7 @@ def sloping_ratio(froude_1: float, weight: float) -> float:
     Parameters
     ----------
     froude_1 : float
-        u1/sqrt(g cos y1), in the frame of the jump; depths stand across the bed.
+        u1/sqrt(g cos y1), in the frame of the jump; depths are measured across the bed.
     weight : float
         2 A tan(slope)/y1^2, with A the area of the water between the sections, m^2; positive where the bed falls along
         the stream. NaN where the weight holds back more than the stream brings.
@@ -157,7 +157,7 @@ def sloping_ratio(froude_1: float, weight: float) -> float:
 
 
 def downstream_froude(froude_1: float) -> float:
-    """Froude number behind the jump, Fr2 = Fr1 / (y2/y1)^1.5 (continuity and thesis 4.26)."""
+    """Froude number downstream of the jump, Fr2 = Fr1 / (y2/y1)^1.5 (continuity and thesis 4.26)."""
     return froude_1 / belanger(froude_1) ** 1.5
 
 
@@ -190,7 +190,7 @@ def brink_depth(critical: float) -> float:
 
 
 def gate_discharge(opening: float, head: float, gravity: float = GRAVITY) -> float:
-    """Discharge of water under a gate, free behind it, m^2/s: C a sqrt(2 g (H - C a)), C = 0.61.
+    """Discharge of water under a gate, free downstream, m^2/s: C a sqrt(2 g (H - C a)), C = 0.61.
 
     Opening a and head H over the bed, m; C is the contraction of a sharp edge (Henderson 1966, section 6.3). NaN where
     the head is no higher than the jet.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class MeasuredCurve(NamedTuple):
-    """A measured curve: abscissas and ordinates, same length, without dimension; its citation stands below it."""
+    """A measured curve: abscissas and ordinates, same length, without dimension; its citation is below it."""
 
     x: tuple[float, ...]
     y: tuple[float, ...]

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from lammps_jump.analysis.report.frames import FramePacker
 
 
-class Ahead:
+class AnalysisThread:
     """A thread that imports the analysis, 0.9 s, and then reads the frames of a run as they are written.
 
     Frames are read ahead where the engine leaves a core free and its dump can be read while it grows.
@@ -109,7 +109,7 @@ STOPPED = "the analysis was stopped; the files of the run are kept, and `{}` ana
 NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
 
 
-class Made(NamedTuple):
+class SummaryOutcome(NamedTuple):
     """Summary of a run, and what the analysis could not do, in words."""
 
     summary: dict[str, Any]
@@ -141,7 +141,7 @@ class Conclusion:
     before: Mapping[str, float]
     notes: tuple[str, ...]
     progress: ProgressCallback | None = None
-    ahead: Ahead | None = None
+    ahead: AnalysisThread | None = None
     stored: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -219,11 +219,11 @@ class Conclusion:
             dump = read_dump(self.folder)
             for frame in dump:
                 check.add(frame, self.case.scene().time(frame.step) if frame.time is None else frame.time)
-            found = [*check.result(self.steps, self.result.present), *damages(dump.warnings)]
+            troubles = [*check.result(self.steps, self.result.present), *damages(dump.warnings)]
         except DumpError as error:
-            found = [str(error)]
-        found += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
-        return [*(f"{name} {'differs' if name in self.outputs else 'is gone'}" for name in names), *found]
+            troubles = [str(error)]
+        troubles += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
+        return [*(f"{name} {'differs' if name in self.outputs else 'is gone'}" for name in names), *troubles]
 
     def _phase(self, name: str, more: str = "") -> None:
         """Say what is done from now on, and keep the seconds of what was done before."""
@@ -242,18 +242,18 @@ class Conclusion:
     def _summary(self, parts: Mapping[str, Any]) -> dict[str, Any]:
         seconds = {"build": self.before.get("build") or 0.0, "run": self.result.seconds}
         seconds["analysis"] = time.perf_counter() - self.begin
-        told = {
+        report = {
             "analysis_seconds": self.phases,
             **parts,
             **({"stopped_when_steady": self.steady} if self.steady else {}),
         }
-        return compose(self.case, self.setting, self.result, seconds=seconds, parts=told, notes=self.notes)
+        return compose(self.case, self.setting, self.result, seconds=seconds, parts=report, notes=self.notes)
 
     def _write(self, summary: Mapping[str, Any], analysis: Mapping[str, Any] | None) -> None:
         write_summary(self.folder, {**summary, "outputs": self.outputs, "analysed": analysis})
 
-    def make(self, stage: Path) -> Made:
-        """Analyse the run and judge it; summary and report are made, tables and figures stand in `stage`."""
+    def make(self, stage: Path) -> SummaryOutcome:
+        """Analyses the run and judges it; summary and report are made, tables and figures are in `stage`."""
         flow, trouble = runs.results.flow_of(self.case, self.folder), ""
         check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case, flow)
         note = self.result.message if self.ahead is None else ""
@@ -281,15 +281,17 @@ class Conclusion:
         self._phase("report")
         summary = self._summary(parts) | {key: self.stored[key] for key in ("case_hash", "key") if key in self.stored}
         if runs.results.has_page(self.case):
-            runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, player, beside=self.folder)
+            runs.results.write_report(
+                stage, summary | {"outputs": self.outputs}, self.case, player, run_folder=self.folder
+            )
         elif runs.results.has_player(self.case) and player is not None:
             runs.results.write_player(stage, player)
         self._phase("")
         summary["analysis_seconds"] = dict(self.phases)
-        return Made(summary, trouble)
+        return SummaryOutcome(summary, trouble)
 
     def publish(self, stage: Path, summary: Mapping[str, Any], *, analysed: bool) -> None:
-        """Put what stands in `stage` into its place, then write the summary with the key of its analysis."""
+        """Puts what is in `stage` into its place, then writes the summary with the key of its analysis."""
         folder = self.folder
         self._write(summary, None)  # ended between here and the last line: it is analysed again
         clear(folder, {"report.html", *self.stored.get("files", ())} & set(own_files(read_marker(folder))))
@@ -304,18 +306,18 @@ class Conclusion:
     def _judge(self, check: FrameCheck, warnings: list[str], trouble: str) -> None:
         """Call the run complete where it is, else failed, with what is wrong; DumpError where it was complete."""
         result, steps = self.result, self.steps
-        found = [] if result.steps == steps else [f"{result.steps} of {steps} steps"]
-        found += [f"dump: {text}" for text in check.result(steps, result.present)]
-        found += damages(warnings)
-        found += force_troubles(self.folder / "forces.csv", self.case.scene(), steps)
+        troubles = [] if result.steps == steps else [f"{result.steps} of {steps} steps"]
+        troubles += [f"dump: {text}" for text in check.result(steps, result.present)]
+        troubles += damages(warnings)
+        troubles += force_troubles(self.folder / "forces.csv", self.case.scene(), steps)
         if result.lost:
-            found.append(f"{result.inserted} discs inserted, {result.present} present, {result.removed} removed")
-        if not found:
+            troubles.append(f"{result.inserted} discs inserted, {result.present} present, {result.removed} removed")
+        if not troubles:
             self.result = replace(result, status="complete", message="")
             return
-        told = "; ".join([*found, *([trouble] if trouble else [])])
+        reason = "; ".join([*troubles, *([trouble] if trouble else [])])
         message = (
-            f"the run came to its end, but what it wrote is not whole: {told}. "
+            f"the run came to its end, but what it wrote is not whole: {reason}. "
             f"It is kept in {self.folder}; look for a full disk or a program that failed, and run again with --force"
         )
         if result.status == "complete":

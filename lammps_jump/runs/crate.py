@@ -84,11 +84,11 @@ def _graph(folder: Path, files: list[str], summary: Mapping[str, Any], licence: 
     """The entities of a crate."""
     made = datetime.fromtimestamp((folder / SUMMARY_FILE).stat().st_mtime, UTC).isoformat(timespec="seconds")
     case, name = next(one for one in ("case.yaml", "study.yaml") if one in files), summary.get("name") or folder.name
-    found = summary.get("versions") or {}
+    versions_of = summary.get("versions") or {}
     tools = [
-        {"@id": f"#{key}", "@type": "SoftwareApplication", "name": called, "version": found[key]}
+        {"@id": f"#{key}", "@type": "SoftwareApplication", "name": called, "version": versions_of[key]}
         for key, called in TOOLS.items()
-        if key in found
+        if key in versions_of
     ]
     described = summary.get("description") or f"results of lammps-jump for the case {name}"
     said = {"identifier": summary["case_hash"]} if "case_hash" in summary and case == "case.yaml" else {}

@@ -39,14 +39,14 @@ from lammps_jump.scene.scene import Scene
 from .summary import read_summary
 
 LONGEST_NAME = 100
-"""Letters of a default folder; behind that a hash stands for the changed values."""
+"""Letters of a default folder; after them a hash represents the changed values."""
 PLAIN_NAME = re.compile(r"[\w.,=+\-\[\]{}:]*", re.ASCII)
 MADE = "# The run in this folder is of this case; for another run change a copy. Hashes of the fields:"
 """Begins ``case.yaml`` of a run folder."""
 
 
 def default_folder(case: ReadCase) -> Path:
-    """Folder of a case when none is named: ``runs/<stem of its file>``, its changed values behind that."""
+    """Folder of a case when none is named: ``runs/<stem of its file>``, followed by its changed values."""
     path = Path(case.source.file)
     stem = case.name if str(path) == "<case>" else path.stem
     if path.name == "case.yaml" and (path.parent / folders.MARKER_FILE).exists():
@@ -77,9 +77,9 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
 
 
 def case_text(case: ReadCase) -> str:
-    """Content of ``case.yaml`` of a run folder: the case, and hashes by which an edit is found; see `to_yaml`."""
+    """Content of ``case.yaml`` of a run folder: the case, and hashes that reveal an edit; see `to_yaml`."""
     text = case.to_yaml()
-    return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
+    return f"{MADE} {' '.join(f'{field}={value}' for field, value in field_keys(text).items())}\n{text}"
 
 
 def own_files(marker: folders.Marker | None) -> list[str]:
@@ -116,9 +116,9 @@ def require_case(folder: Path) -> Path:
     text = read_case(path)
     head, _, _ = text.partition("\n")
     if head.startswith(MADE):
-        made, found = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), field_keys(text)
-        for field in {**made, **found}:
-            if made.get(field) != found.get(field):
+        made, keys = dict(pair.partition("=")[::2] for pair in head[len(MADE) :].split()), field_keys(text)
+        for field in {**made, **keys}:
+            if made.get(field) != keys.get(field):
                 raise CaseError(
                     f"{path}: {field} was changed after the folder was made, so that it is no longer the case of the "
                     "run; undo the change, or run a copy of the file: `lammps-jump build-and-run COPY`"
@@ -233,15 +233,15 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
         return "run"
     if resume and not (folder / "case.yaml").exists():
         raise ResumeError(f"{folder}: holds no run that could go on, for its case.yaml is gone; {ANEW}")
-    found = difference(case, None if resume else setting, marker)
-    if found and resume:
+    change = difference(case, None if resume else setting, marker)
+    if change and resume:
         raise ResumeError(
-            f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
+            f"{folder}: the run there differs from the case that was asked for ({change}), so it cannot go on as that "
             f"case; `{typed('run', folder, '--resume')}` goes on with the one in the folder, --out names another"
         )
-    if found:
+    if change:
         raise SetupError(
-            f"{folder}: holds another run ({found}); name another folder with --out, or delete that run with --force"
+            f"{folder}: holds another run ({change}); name another folder with --out, or delete that run with --force"
         )
     stored = read_summary(folder)
     status = _status(case, folder, setting, stored)
@@ -291,7 +291,7 @@ def without(sums: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool:
-    """Tells whether a complete run and its analysis stand in a folder as written, the analysis as now asked for."""
+    """Tells whether a complete run and its analysis are in a folder as written, the analysis as now requested."""
     outputs, block = stored.get("outputs"), stored.get("analysed")
     if stored.get("status") != "complete" or outputs is None or block is None:
         return False
@@ -314,9 +314,9 @@ def difference(case: ReadCase, setting: Setting | None, marker: Marker) -> str:
         there |= dict(_leaves(marker.about.get("program")))
         here |= program_of(setting)
     changed = [name for name in {**there, **here} if there.get(name) != here.get(name)]
-    told = [f"{name} is {_short(there.get(name))} there, {_short(here.get(name))} here" for name in changed]
-    more = f"; {len(told) - FEWEST} more" if len(told) > FEWEST else ""
-    return "; ".join(told[:FEWEST]) + more
+    differences = [f"{name} is {_short(there.get(name))} there, {_short(here.get(name))} here" for name in changed]
+    more = f"; {len(differences) - FEWEST} more" if len(differences) > FEWEST else ""
+    return "; ".join(differences[:FEWEST]) + more
 
 
 def _short(value: object) -> str:

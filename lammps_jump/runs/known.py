@@ -2,7 +2,7 @@
 """Experience of this machine: how fast runs were and how much starts scattered; what a run and a mean will take.
 
 Runs that end leave their speed in ``speeds.json``, studies the scatter over their starts in ``scatter.json``, in the
-folder of what is kept (`compiling.cache.usual_folder`). What is told from them is an estimate, with what it is from.
+folder of what is kept (`compiling.cache.usual_folder`). What is reported from them is an estimate, with its source.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ FEWEST = 3
 """Starts from which a scatter is kept."""
 MOST_STARTS = 10_000
 SURE = 0.9
-"""Probability with which a range of starts is told."""
+"""Probability with which a range of starts is given."""
 Entries = dict[str, Any]
 
 
@@ -53,15 +53,15 @@ def kind_of(scene: Scene, setting: Setting) -> str:
 def _read(name: str, checked: Callable[[Any], bool]) -> Entries:
     """Entries of a file of what is kept, those that mean something; none where it cannot be read."""
     with suppress(OSError, ValueError):
-        found = read_json(usual_folder() / name)
-        if isinstance(found, dict):
-            some = [(key, one) for key, one in found.items() if len(key) <= 300 and checked(one)]
+        data = read_json(usual_folder() / name)
+        if isinstance(data, dict):
+            some = [(key, one) for key, one in data.items() if len(key) <= 300 and checked(one)]
             return dict(some[-MOST_CASES:])
     return {}
 
 
 def _write(name: str, entries: Entries) -> None:
-    """Keep entries, the last ones; where that is not possible nothing is told: no result depends on it."""
+    """Keeps entries, the last ones; where that is not possible nothing is reported: no result depends on it."""
     with suppress(OSError):
         place = usual_folder()
         place.mkdir(parents=True, exist_ok=True)
@@ -184,8 +184,8 @@ def _seedless(case: ReadCase, **more: Any) -> str:
 
 def scatter_key(case: ReadCase) -> str:
     """Key of a case whatever its seed; bins and window of its analysis count."""
-    asked = case.fields.analysis
-    return _seedless(case, window=plain(asked.window), bins=asked.bin_width)
+    analysis = case.fields.analysis
+    return _seedless(case, window=plain(analysis.window), bins=analysis.bin_width)
 
 
 def remember_scatter(case: ReadCase, numbers: Mapping[str, tuple[float, float, int]]) -> None:
@@ -257,7 +257,7 @@ def starts_for(scatter: float, within: float) -> int | None:
     return high
 
 
-class Power(NamedTuple):
+class StartsNeeded(NamedTuple):
     """Starts that a number will take to be known within a share of itself; estimate, range and time.
 
     Attributes
@@ -281,32 +281,34 @@ class Power(NamedTuple):
     source: str
 
     def __str__(self) -> str:
-        asked = f"{self.path} within ± {100 * self.within:zg} %"
+        claim = f"{self.path} within ± {100 * self.within:zg} %"
         if self.low is None:
-            return f"{asked}: not known: {self.source}"
+            return f"{claim}: not known: {self.source}"
         most = f"over {MOST_STARTS}"
         middle, high = (most if one is None else f"{one}" for one in (self.starts, self.high))
         time = "" if self.seconds is None else f", {duration(self.seconds)} one after the other"
         return (
-            f"{asked} takes about {middle} starts ({100 * SURE:zg} %: {self.low} to {high}){time}: an estimate, from "
+            f"{claim} takes about {middle} starts ({100 * SURE:zg} %: {self.low} to {high}){time}: an estimate, from "
             f"the scatter of {self.source}"
         )
 
 
-def power_of(case: ReadCase, path: str, within: float, time: RunTime) -> Power:
+def power_of(case: ReadCase, path: str, within: float, time: RunTime) -> StartsNeeded:
     """Starts and time that a number of a case will take, from the scatter that is known here."""
-    found = scatter_of(case, path)
-    if found is None:
+    scatter = scatter_of(case, path)
+    if scatter is None:
         said = f"no starts that have {path} are known on this machine; --pilot 4 runs some, which a study goes on with"
-        return Power(path, within, None, None, None, None, said)
-    starts, low, high = (starts_for(one, within) for one in (found.value, found.low, found.high))
+        return StartsNeeded(path, within, None, None, None, None, said)
+    starts, low, high = (starts_for(one, within) for one in (scatter.value, scatter.low, scatter.high))
     if low is None:
-        return Power(path, within, None, None, None, None, f"it takes over {MOST_STARTS} starts, by {found.source}")
+        return StartsNeeded(
+            path, within, None, None, None, None, f"it takes over {MOST_STARTS} starts, by {scatter.source}"
+        )
     seconds = None if time.seconds is None or starts is None else time.seconds * starts
-    return Power(path, within, starts, low, high, seconds, found.source)
+    return StartsNeeded(path, within, starts, low, high, seconds, scatter.source)
 
 
-def as_data(time: RunTime, powers: Sequence[Power]) -> dict[str, Any]:
+def as_data(time: RunTime, powers: Sequence[StartsNeeded]) -> dict[str, Any]:
     """Plain data of ``check --json``."""
-    found: dict[str, Any] = {"run_time": time._asdict()}
-    return found | ({"power": [one._asdict() for one in powers]} if powers else {})
+    data: dict[str, Any] = {"run_time": time._asdict()}
+    return data | ({"power": [one._asdict() for one in powers]} if powers else {})

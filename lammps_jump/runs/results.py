@@ -86,7 +86,7 @@ class AnalysisInputs:
 
     @property
     def known(self) -> dict[str, Any]:
-        """AnalysisInputs inputs, as they stand in ``summary.json``."""
+        """AnalysisInputs inputs, as they are in ``summary.json``."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
     @classmethod
@@ -120,29 +120,33 @@ class ResultsInMemory:
 
     @property
     def parts(self) -> dict[str, Any]:
-        """The results as they stand in ``summary.json``."""
+        """The results as they are in ``summary.json``."""
         return {name: quantities.QUANTITIES[name].summary(result) for name, result in self.results.items()}
 
 
 def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
     """The flow of a case, with the bins and the window that it asks for; `folder` is that of its run.
 
-    The contacts of a frame are found once for all who have the same flow.
+    The contacts of a frame are computed once for all who have the same flow.
     """
-    asked, inflow = case.fields.analysis, case.fields.inflow
+    analysis, inflow = case.fields.analysis, case.fields.inflow
     steady = inflow if inflow is not None and inflow.kind == "rows" and inflow.table is None else None
     depth, speed = steady.over(0.0, 0.0) if steady else (None, None)  # one against time is in the scene
     flow = from_scene(
         case.scene(),
-        bin_width=asked.bin_width,
-        window=asked.window,
+        bin_width=analysis.bin_width,
+        window=analysis.window,
         inflow_depth=depth,
         inflow_speed=speed,
-        water=asked.front == "water",
+        water=analysis.front == "water",
         folder=folder,
     )
-    flow = replace(flow, heads_at=asked.stations)
-    return replace(flow, layers=(asked.layers.x, asked.layers.height)) if isinstance(asked.layers, Layers) else flow
+    flow = replace(flow, heads_at=analysis.stations)
+    return (
+        replace(flow, layers=(analysis.layers.x, analysis.layers.height))
+        if isinstance(analysis.layers, Layers)
+        else flow
+    )
 
 
 def load(case: ReadCase) -> None:
@@ -155,9 +159,9 @@ def load(case: ReadCase) -> None:
 
 
 def _wanted(case: ReadCase) -> list[str]:
-    asked = case.fields.analysis
-    heads = ["grade"] * bool(asked.stations or asked.jump or case.fields.inflow)
-    return [*heads, *(name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False))]
+    analysis = case.fields.analysis
+    heads = ["grade"] * bool(analysis.stations or analysis.jump or case.fields.inflow)
+    return [*heads, *(name for name in (*quantities.QUANTITIES, "fields") if getattr(analysis, name, False))]
 
 
 def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Watcher) -> Gathered:
@@ -173,16 +177,16 @@ def analyse(
     packer: FramePacker,
     watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
-    told: Callable[[str], None] | None = None,
+    report: Callable[[str], None] | None = None,
 ) -> tuple[dict[str, Any], page.Player | None]:
     """Analyse the dump of a run folder as its case asks; the parts of the summary, and the player of what `packer` got.
 
     Tables and figures go to `out`. `watch` is also shown every frame. Where they were read before, `gathered` is of
-    `collect`. `told` is called with what is done. While the pictures are drawn, the frames are packed.
+    `collect`. `report` is called with what is done. While the pictures are drawn, the frames are packed.
     """
-    asked = case.fields.analysis
-    figures = asked.figures if has_page(case) else "none"
-    told, dump = told or (lambda phase: None), find_dump(folder)
+    analysis = case.fields.analysis
+    figures = analysis.figures if has_page(case) else "none"
+    report, dump = report or (lambda phase: None), find_dump(folder)
     if gathered is None:
         watch = [*([packer] if has_player(case) else []), *watch]
         gathered = collect(case, flow, folder, open_dump(dump), *watch)
@@ -192,14 +196,14 @@ def analyse(
             dump,
             out,
             _wanted(case),
-            pictures=pipeline.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
+            pictures=pipeline.Pictures(figures, analysis.animation, quiet=not log.isEnabledFor(logging.INFO)),
             gathered=gathered,
-            told=told,
+            report=report,
             drawing=drawing,
         )
-        told("player")
+        report("player")
         player = packed_player(packer, out, gathered.forces) if has_player(case) else None
-        told("figures")
+        report("figures")
     return parts, drawing.shown_in(player)
 
 
@@ -215,8 +219,8 @@ def looked_at(case: ReadCase, folder: Path, name: str, fit_stretch: float = 1.0)
     """One part of the summary of a run, analysed as a case asks; `fit_stretch` as of `Flow`. Nothing is written."""
     gathered = collect(case, replace(flow_of(case, folder), fit_stretch=fit_stretch), folder, read_dump(folder))
     quantity = quantities.QUANTITIES[name]
-    found = quantity.analyse(gathered)
-    return {} if found is None else {name: quantity.summary(found)}
+    result = quantity.analyse(gathered)
+    return {} if result is None else {name: quantity.summary(result)}
 
 
 def analyse_dump(
@@ -232,7 +236,7 @@ def analyse_dump(
         The case that belongs to it.
     given : AnalysisInputs
     out : Path, optional
-        Folder of the results; default beside the dump.
+        Folder of the results; default next to the dump.
 
     Raises
     ------
@@ -336,7 +340,7 @@ def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
 def animate(target: Path, out: Path | None, fps: int, *, arrows: bool = True) -> Path:
     """Write the moving picture of a run folder or dump; its path. Without `arrows` it shows no forces.
 
-    By default it is ``animation.mp4`` beside the dump, or in the folder of a dump's results. Without ffmpeg it is a
+    By default it is ``animation.mp4`` next to the dump, or in the folder of a dump's results. Without ffmpeg it is a
     GIF, and a note says so. Only a film that this program made in such a folder is replaced.
     """
     path, analysed = find_dump(target), is_of_a_dump(target)
@@ -373,7 +377,7 @@ def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list
     return write_exports(place, kinds, out, walls_at=flow.walls_at, room=(x, y))
 
 
-def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
+def draw(results: ResultsInMemory, folder: Path, name: str) -> Figure:
     """One of the figures of a report, by the name of its file without the ending.
 
     Raises
@@ -381,16 +385,16 @@ def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
     DumpError
         A name that is not known, or a figure for which the run has no data.
     """
-    shown = pipeline.drawings(found.gathered, found.results)
+    shown = pipeline.drawings(results.gathered, results.results)
     if name not in (known := quantities.captions()):
         raise DumpError(f"figure '{name}' is not known; allowed is one of {', '.join(known)}")
     there = [*shown, pipeline.DISCS]
     if name not in there:
         raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(there)}")
-    return pipeline.figure(name, shown, find_dump(folder), found.gathered.flow, pipeline.felt(found.gathered))
+    return pipeline.figure(name, shown, find_dump(folder), results.gathered.flow, pipeline.felt(results.gathered))
 
 
-def figure_named(found: ResultsInMemory, name: str = "") -> str:
+def figure_named(results: ResultsInMemory, name: str = "") -> str:
     """Name of the first figure of the page whose name is `name`, begins so or holds it; without a name, of the first.
 
     Raises
@@ -398,7 +402,7 @@ def figure_named(found: ResultsInMemory, name: str = "") -> str:
     DumpError
         None; the message lists those that are there.
     """
-    shown = {*pipeline.drawings(found.gathered, found.results), pipeline.DISCS}
+    shown = {*pipeline.drawings(results.gathered, results.results), pipeline.DISCS}
     there = [one for one in quantities.captions() if one in shown]
     if not name or name in there:
         return name or there[0]
@@ -408,19 +412,19 @@ def figure_named(found: ResultsInMemory, name: str = "") -> str:
     return fitting[0]
 
 
-def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png", *, arrows: bool = True) -> list[Path]:
+def draw_all(results: ResultsInMemory, folder: Path, ending: str = "png", *, arrows: bool = True) -> list[Path]:
     """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths.
 
     Without `arrows` the discs have no forces on the outlines of structures.
     """
-    drawn = pipeline.felt(found.gathered) if arrows else None
-    shown = pipeline.drawings(found.gathered, found.results)
+    drawn = pipeline.felt(results.gathered) if arrows else None
+    shown = pipeline.drawings(results.gathered, results.results)
     names = [*shown, pipeline.DISCS]
     for name in names:
         folders.require_replaceable(folder, f"figures/{name}.{ending}")
     with folders.staging(folder) as stage:
         place, dump = stage / "figures", find_dump(folder)
-        pipeline.draw_figures(names, shown, place, dump, found.gathered.flow, ending, arrows=drawn)
+        pipeline.draw_figures(names, shown, place, dump, results.gathered.flow, ending, arrows=drawn)
         folders.publish(stage, folder)
     return [folder / "figures" / f"{name}.{ending}" for name in names]
 
@@ -493,10 +497,10 @@ def write_report(
     case: ReadCase,
     player: page.Player | None,
     path: str | Path | None = None,
-    beside: Path | None = None,
+    run_folder: Path | None = None,
     live: page.LivePage | None = None,
 ) -> Path:
     """Write the report of a run folder, by default as its ``report.html``; the rest as of `report.write_report`."""
     name = "report.html" if path is None else str(Path(path).absolute())
     text, summary = case.to_yaml(), dict(summary)
-    return report.write_report(folder, summary, text, name=name, player=player, beside=beside, live=live)
+    return report.write_report(folder, summary, text, name=name, player=player, run_folder=run_folder, live=live)

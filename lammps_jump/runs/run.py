@@ -46,7 +46,7 @@ Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
 class EngineOptions(TypedDict, total=False):
-    """Options of `run` that stand in place of the case's own."""
+    """Options of `run` that replace the case's own."""
 
     engine: str | None
     kernel: str | None
@@ -69,7 +69,7 @@ def run(
     ----------
     case : Case
     folder : str or Path, optional
-        Run folder, made where it is missing; default ``runs/<stem of the case file>``, changed values behind it.
+        Run folder, made where it is missing; default ``runs/<stem of the case file>``, then changed values.
     force : bool
         Delete the run that the folder holds, and start anew.
     resume : bool
@@ -391,8 +391,8 @@ class Run(NearestNames):
     @property
     def forces(self) -> Mapping[str, Force]:
         """Force on each probed structure, by its name; over time in `history`."""
-        found = cast("Forces | None", self._found.results.get("force"))
-        return {} if found is None else found.structures
+        forces = cast("Forces | None", self._found.results.get("force"))
+        return {} if forces is None else forces.structures
 
     @cached_property
     def frames(self) -> Frames:
@@ -430,7 +430,7 @@ class Run(NearestNames):
         Raises
         ------
         CaseError
-            A value that is not allowed, once a result is asked for.
+            A value that is not allowed, once a result is requested.
         """
         given = {"analysis.window": window, "analysis.bin_width": bin_width}
         return Run(self.folder, self._changes | {path: value for path, value in given.items() if value is not None})
@@ -504,7 +504,7 @@ class Run(NearestNames):
         Raises
         ------
         SetupError
-            A file stands at `path` already.
+            A file exists at `path` already.
         DumpError
             A run that is not complete, results that are not those of its summary, or a page that cannot be written.
         """
@@ -542,10 +542,10 @@ class Run(NearestNames):
     def _repr_html_(self) -> str:
         """View of the run for notebooks: a line, at most five numbers, a picture."""
         lead = [f"<p><b>{html.escape(self.case.name)}</b>: {self.status}. {html.escape(self.result.message)}</p>"]
-        asked = self.case.fields.analysis
-        if asked.jump:
+        analysis = self.case.fields.analysis
+        if analysis.jump:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
-        parts = [self.results[name] for name in QUANTITIES if getattr(asked, name, False) and name in self.results]
+        parts = [self.results[name] for name in QUANTITIES if getattr(analysis, name, False) and name in self.results]
         return "\n".join([*lead, number_table(parts), _picture(self.figure())])
 
 

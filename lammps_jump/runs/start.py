@@ -22,7 +22,7 @@ from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require
 from lammps_jump.quoting import typed
 from lammps_jump.script.job import Site, write_job
 
-from .conclude import Ahead, Conclusion, signals_end
+from .conclude import AnalysisThread, Conclusion, signals_end
 from .folder import (
     difference,
     has_output,
@@ -85,7 +85,7 @@ def _run(
     """Run in a folder that this process holds."""
     clear(folder, [RANKS_FILE])  # of a run that was killed
     scene = case.scene()
-    told = [*(scene.earlier.origins if scene.earlier else ()), *scene.warnings, *scene.adapted, *notes]
+    texts = [*(scene.earlier.origins if scene.earlier else ()), *scene.warnings, *scene.adapted, *notes]
     checkpoint = resumable(case, folder, setting) if resume else None
     before: Mapping[str, float] = {}
     if checkpoint is not None:
@@ -98,7 +98,7 @@ def _run(
         )
         left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
         if scene.pours and left > 0 and done.engine == "lammps":
-            told.append(f"the {left} discs that are still to be poured come from a new random stream")
+            texts.append(f"the {left} discs that are still to be poured come from a new random stream")
     else:
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
@@ -106,14 +106,14 @@ def _run(
             f"e = {c.restitution:zg}, μ = {c.friction:zg}, k = {c.stiffness:z.4g} N/m"
         )
         if resume:
-            told.append(f"{folder} holds no checkpoint: the run starts from the beginning")
-    for note in told:
+            texts.append(f"{folder} holds no checkpoint: the run starts from the beginning")
+    for note in texts:
         log.info(f"note: {note}")
     log.info(f"{scene.name}: {said} -> {folder}")
     if checkpoint is None:
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
-    with files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+    with files_at_risk(folder), AnalysisThread(case, folder, setting, whole=checkpoint is None) as ahead:
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
         runs.known.remember_run(case, setting, result)
         if checkpoint is not None:
@@ -171,9 +171,9 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
             f"`{typed('analyze', 'DUMP', '--case', path, '--out', 'OTHER')}` analyses its dump"
         )
     case, setting, notes = choose_setting(ReadCase.load(path, changes))
-    if found := difference(case, None, marker):
+    if changed := difference(case, None, marker):
         raise CaseError(
-            f"{path}: was changed after the run ({found}); put it back, or run the changed case in another folder"
+            f"{path}: was changed after the run ({changed}); put it back, or run the changed case in another folder"
         )
     with locked(folder):
         _reanalyse(case, folder, setting, notes)
@@ -200,13 +200,13 @@ def _run_engine(
     if case.fields.run.stop_when_steady:
         reach = runs.steady.studied_reach(runs.results.flow_of(case))
         steady = runs.steady.SteadyWatch(scene, folder, reach, setting.dump_format)
-    asked = [ask for ask in (steady, should_stop) if ask is not None]
+    stops = [ask for ask in (steady, should_stop) if ask is not None]
     result = engines.run(
         scene,
         folder,
         with_header(case, setting),
         progress=progress,
-        should_stop=(lambda: any([ask() for ask in asked])) if asked else None,
+        should_stop=(lambda: any([ask() for ask in stops])) if stops else None,
         resume=checkpoint,
     )
     if checkpoint is not None and result.status == "failed" and result.steps <= checkpoint.step:

@@ -36,7 +36,7 @@ from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.scene import InletRow, Scene
 from lammps_jump.scene.tracks import BEGIN, TableMotion
 
-from .conclude import Ahead, Conclusion
+from .conclude import AnalysisThread, Conclusion
 from .folder import case_text, left_to_do, marker_of, resumable, run_folder, write_folder
 from .start import files_at_risk
 from .summary import read_summary
@@ -133,7 +133,7 @@ class SteppedRun(NearestNames):
             status = "failed" if self._failed else "complete" if at_end else "interrupted"
             result = self._part.ended(status, self._failed)
             clear(self.folder, set(quantities.result_files()) - {SUMMARY_FILE})
-            with Ahead(self.case, self.folder, self._setting, whole=False) as ahead:
+            with AnalysisThread(self.case, self.folder, self._setting, whole=False) as ahead:
                 end = Conclusion(
                     self.case, self.folder, self._setting, result, "", self._before, self._notes, ahead=ahead
                 )
@@ -297,7 +297,7 @@ class SteppedRun(NearestNames):
         self._take({"inflow.table": [list(row) for row in rows]})
 
     def _just_now(self) -> float:
-        """A time behind the next step, s: the speed of a wall at a step, centred, knows where it is at the next."""
+        """A time after the next step, s: the speed of a wall at a step, centred, knows where it is at the next."""
         scene = self.case.scene()
         return (self.step - scene.settle_steps + 1.5) * scene.time_step
 
@@ -420,10 +420,10 @@ def _number(path: str, value: object) -> float:
 
 
 def _positive(path: str, value: object) -> float:
-    found = _number(path, value)
-    if found <= 0:
-        raise CaseError(f"{path}: {found:zg} s; allowed is a time above 0")
-    return found
+    number_given = _number(path, value)
+    if number_given <= 0:
+        raise CaseError(f"{path}: {number_given:zg} s; allowed is a time above 0")
+    return number_given
 
 
 def _of_another_past(old: Scene, new: Scene, step: int) -> str:

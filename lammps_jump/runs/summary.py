@@ -141,14 +141,14 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def _stored_parts(summary: Mapping[str, Any]) -> Iterator[tuple[str, TypeAdapter[Any], object]]:
-    """The results that a summary holds: place, what is allowed there, and what stands there."""
-    for name, found in ((name, summary[name]) for name in QUANTITIES if summary.get(name) is not None):
+    """The results that a summary holds: place, what is allowed there, and what is there."""
+    for name, entry in ((name, summary[name]) for name in QUANTITIES if summary.get(name) is not None):
         quantity = QUANTITIES[name]
-        if quantity.named and isinstance(found, Mapping):
-            kinds = ((key, quantity.parts.get(key, quantity.result)) for key in found)
-            yield from ((f"{name}: {key}", _adapter(kind), found[key]) for key, kind in kinds)
+        if quantity.named and isinstance(entry, Mapping):
+            kinds = ((key, quantity.parts.get(key, quantity.result)) for key in entry)
+            yield from ((f"{name}: {key}", _adapter(kind), entry[key]) for key, kind in kinds)
         else:
-            yield name, _adapter(quantity.result), found
+            yield name, _adapter(quantity.result), entry
 
 
 def compose(
@@ -170,11 +170,11 @@ def compose(
     seconds : mapping
         Wall seconds of build, run, analysis.
     parts : mapping
-        What the analyses found: jump, front, energy, force, profiles, warnings.
+        Results of the analyses: jump, front, energy, force, profiles, warnings.
     notes : sequence of str
-        Why this setting was chosen; they stand among the warnings.
+        Why this setting was chosen; they are among the warnings.
     """
-    scene, found = case.scene(), dict(parts)
+    scene, data = case.scene(), dict(parts)
     discs = {name: getattr(result, name) for name in ("inserted", "present", "removed", "lost")}
     if scene.fixed:
         fixed = scene.fixed.count
@@ -207,8 +207,8 @@ def compose(
             "ledger": result.ledger,
             "skipped": list(scene.skipped),
             **({"begins": list(scene.earlier.origins)} if scene.earlier else {}),
-            "warnings": [*scene.warnings, *scene.adapted, *notes, *found.pop("warnings", ())],
-            **found,
+            "warnings": [*scene.warnings, *scene.adapted, *notes, *data.pop("warnings", ())],
+            **data,
             "ranks": setting.ranks,
             "theory": case.check().theory,
         }
@@ -260,8 +260,8 @@ class Results:
             data = read_file(path, MOST_TEXT)
         except OSError as error:
             raise DumpError(f"{path}: cannot be read ({error.strerror or error}); {again}") from None
-        found = {"size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-        if self.sums is not None and found != self.sums[name]:
+        file_sum = {"size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+        if self.sums is not None and file_sum != self.sums[name]:
             raise DumpError(f"{path}: differs from its checksum in {SUMMARY_FILE}, so it was changed; {again}")
         return data
 
@@ -318,13 +318,15 @@ def open_results(folder: Path) -> Results:
     DumpError
         No summary, a run that is not complete, or no whole analysis of it.
     """
-    found, marker = _sums_of(folder), read_marker(folder)
-    if found.status != "complete" and not (found.status is None and marker is not None and marker.kind == "analysis"):
-        said = f": {shortened(found.message)}" if found.message else ""
-        raise DumpError(f"{folder}: the run there is {found.status or 'of no known status'}, not complete{said}")
-    if found.analysed is None and "analysed" in found.model_fields_set:
+    file_sums, marker = _sums_of(folder), read_marker(folder)
+    if file_sums.status != "complete" and not (
+        file_sums.status is None and marker is not None and marker.kind == "analysis"
+    ):
+        said = f": {shortened(file_sums.message)}" if file_sums.message else ""
+        raise DumpError(f"{folder}: the run there is {file_sums.status or 'of no known status'}, not complete{said}")
+    if file_sums.analysed is None and "analysed" in file_sums.model_fields_set:
         raise DumpError(f"{folder}: was not analysed to the end; `{typed('analyze', folder)}` does that")
-    return results_in(folder, found.model_dump())
+    return results_in(folder, file_sums.model_dump())
 
 
 def write_summary(folder: Path, summary: Mapping[str, object]) -> Path:
@@ -342,16 +344,16 @@ def read_summary(folder: Path) -> dict[str, Any]:
     """
     path = folder / SUMMARY_FILE
     try:
-        found = read_json(path)
+        data = read_json(path)
     except (OSError, ValueError):
         return {}
     place = ""
     try:
-        Stored.model_validate(found)
-        for place, kind, value in _stored_parts(found):  # noqa: B007
+        Stored.model_validate(data)
+        for place, kind, value in _stored_parts(data):  # noqa: B007
             kind.validate_python(value)
     except ValidationError as error:
         first = error.errors()[0]
         place = "".join(f" {name}:" for name in (place, *first["loc"]) if name != "")
         raise DumpError(f"{path}:{place} {first['msg']}, got {echoed(plain(first['input']))}; {NO_SUMMARY}") from None
-    return found
+    return data

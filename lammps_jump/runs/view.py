@@ -64,15 +64,15 @@ def drawing_of(case: ReadCase, widest: float = draw.WIDEST) -> draw.Drawing:
     CaseError
         A scene that cannot be run.
     """
-    found, asked = case.check(), case.fields
-    columns = [item for item in asked.initial if item.kind == "column"]
+    derived, wanted_case = case.check(), case.fields
+    columns = [item for item in wanted_case.initial if item.kind == "column"]
     regions = [
         draw.NamedRegion("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
         for number, item in enumerate(columns, start=1)
     ]
-    expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None
+    expected = derived.numbers.get("belanger_y2") if wanted_case.analysis.jump else None
     sequent = expected if isinstance(expected, float) else None
-    return draw.scene_drawing(found.scene, regions, sequent=sequent, widest=widest)
+    return draw.scene_drawing(derived.scene, regions, sequent=sequent, widest=widest)
 
 
 def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]:
@@ -85,8 +85,8 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
     DumpError
         The folder cannot be written.
     """
-    found, folder = case.check(), Path(folder)
-    scene = found.scene
+    derived, folder = case.check(), Path(folder)
+    scene = derived.scene
     name = default_folder(case).name
     picture, path = folder / f"{name}.preview.png", folder / f"{name}.preview.html"
     with writes(folder):
@@ -96,11 +96,11 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
     caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
     first: list[report.Block] = [
         page.Picture(caption, f"data:{page.PNG};base64,{data}"),
-        page.Items(found.begins, "Where it begins"),
+        page.Items(derived.begins, "Where it begins"),
     ]
     first.append(page.Items(scene.warnings, "Doubtful"))
     walls = page.Table([_wall_row(one, scene) for one in scene.walls], ("Wall", "kind", "x [m]", "y [m]", "motion"))
-    rows = [(label, value, unit) for _, group in found.tables for _, label, value, unit in group]
+    rows = [(label, value, unit) for _, group in derived.tables for _, label, value, unit in group]
     numbers = page.Table(rows, ("Number", "value", "unit"), "All numbers that follow from the case")
     title = f"{case.name}: before the run"
     sections = [report.Section("", first), report.Section("", [walls, numbers])]
@@ -115,12 +115,12 @@ def _wall_row(one: MovingWall, scene: Scene) -> tuple[str, ...]:
     moves = "stands"
     if motion.kind is not None:
         given = {part.name: (getattr(motion.kind, part.name), part.default) for part in fields(motion.kind)}
-        told = (
+        motion_words = (
             f"{MOTION_WORDS.get(name, name)} {_plain(value)}"
             for name, (value, default) in given.items()
             if value != default
         )
-        moves = f"{motion.kind.kind}: {', '.join(told)}"
+        moves = f"{motion.kind.kind}: {', '.join(motion_words)}"
     if isfinite(motion.gone):
         moves = f"opens at t = {scene.time(int(motion.gone)):z.4g} s" + (f"; {moves}" if motion.kind else "")
     return wall.name, wall.kind, *map(_ends, wall.extent), moves
@@ -248,12 +248,12 @@ class Frames(NearestNames):
                 f"{self.folder}: its frames are {count} numbers for to_xarray, and at most {MOST_VALUES} are allowed; "
                 "use a loop over run.frames"
             )
-        found = {name: np.full((len(self), len(ids)), np.nan) for name in names}
+        by_column = {name: np.full((len(self), len(ids)), np.nan) for name in names}
         for row, frame in enumerate(self):
             columns = np.searchsorted(ids, frame.ids)
             for name in names:
-                found[name][row, columns] = frame.column(name)
-        arrays = {name: (("time", "disc"), values, {"units": UNITS[name]}) for name, values in found.items()}
+                by_column[name][row, columns] = frame.column(name)
+        arrays = {name: (("time", "disc"), values, {"units": UNITS[name]}) for name, values in by_column.items()}
         return xr.Dataset(arrays, {"time": ("time", self.times, {"units": "s"}), "disc": ids})
 
     def __repr__(self) -> str:

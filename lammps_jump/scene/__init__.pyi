@@ -2,9 +2,9 @@
 from .chains import Chain as Chain
 from .motion import Motion as Motion
 from .motion import MovingWall as MovingWall
-from .motion import Went as Went
+from .motion import WallState as WallState
 from .motion import gate as gate
-from .scene import Beginning as Beginning
+from .scene import InitialState as InitialState
 from .scene import InletRow as InletRow
 from .scene import Outlet as Outlet
 from .scene import Pour as Pour

@@ -103,9 +103,9 @@ FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
 
 def records_of(faces: Faces) -> np.ndarray:
     """Faces as the core has them, shape (faces,) of `FACE`."""
-    found = np.empty(len(faces.codes), FACE)
-    found["codes"], found["shape"] = faces.codes, faces.shape
-    return found
+    records = np.empty(len(faces.codes), FACE)
+    records["codes"], records["shape"] = faces.codes, faces.shape
+    return records
 
 
 def _straight(start: Point, end: Point) -> Face:
@@ -246,15 +246,15 @@ def boxes(faces: Faces, *, deep: bool = True) -> np.ndarray:
 
     Without end where the face has none and, if `deep`, behind the faces of a wall that pushes from any depth.
     """
-    found = np.empty((len(faces.codes), 4))
+    boxes_of_faces = np.empty((len(faces.codes), 4))
     for i, (code, row) in enumerate(zip(faces.codes, faces.shape, strict=True)):
         xs, ys = _spread(code, row)
         if deep and faces.deep[code[WALL]]:
             nx, ny = -row[TY0], row[TX0]
             xs += [-inf if nx > 0 else inf] if abs(nx) > 1e-12 else []
             ys += [-inf if ny > 0 else inf] if abs(ny) > 1e-12 else []
-        found[i] = min(xs), max(xs), min(ys), max(ys)
-    return found
+        boxes_of_faces[i] = min(xs), max(xs), min(ys), max(ys)
+    return boxes_of_faces
 
 
 def _spread(code: np.ndarray, row: np.ndarray) -> tuple[list[float], list[float]]:
@@ -293,7 +293,7 @@ def distance(faces: Faces, x: ArrayLike, y: ArrayLike) -> np.ndarray:
     known = np.full(px.shape, inf)  # no point is farther from the faces than from one of their ends
     for bunch in bunches:
         known = np.minimum(known, np.hypot(px - faces.shape[bunch[0], X0], py - faces.shape[bunch[0], Y0]))
-    found = np.full(px.shape, inf)
+    distances = np.full(px.shape, inf)
     for bunch in bunches:
         (xlo, xhi), (ylo, yhi) = ((box[bunch, a].min(), box[bunch, a + 1].max()) for a in (0, 2))
         apart = np.hypot(
@@ -301,8 +301,8 @@ def distance(faces: Faces, x: ArrayLike, y: ArrayLike) -> np.ndarray:
         )
         near = apart <= known * (1 + 1e-9) + 1e-12
         if near.any():
-            found[near] = _nearest(faces, bunch, px[near], py[near], found[near])
-    return found.reshape(x.shape)
+            distances[near] = _nearest(faces, bunch, px[near], py[near], distances[near])
+    return distances.reshape(x.shape)
 
 
 BUNCH = 32
@@ -345,8 +345,8 @@ def _gap(faces: Faces, face: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         beyond = side * (tx * ux + ty * uy) > 0
         front = np.ones(x.shape, bool)
         if joined not in (CONVEX, FREE):
-            beside = faces.shape[other]
-            front = (tx * uy - ty * ux >= 0) & (beside[ox] * uy - beside[oy] * ux >= 0)
+            neighbour = faces.shape[other]
+            front = (tx * uy - ty * ux >= 0) & (neighbour[ox] * uy - neighbour[oy] * ux >= 0)
         away = np.hypot(ux, uy)
         gap = np.where(beyond, np.where(front, away, -away), gap)
     return gap
@@ -356,11 +356,11 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Solids over x as pairs (underside, top), m, each of x's shape; NaN where there is none.
 
     An upright line at x goes through tops, where a face looks up, and undersides. A top without an underside below it
-    stands on solid without end.
+    rests on solid without end.
     """
     x = np.asarray(x, float)
     flat = x.ravel()
-    tops, bottoms = (_stacked(len(flat), *found) for found in _crossings(faces, flat))
+    tops, bottoms = (_stacked(len(flat), *crossed) for crossed in _crossings(faces, flat))
     solids = []
     below = np.full(flat.shape, -inf)
     corners = faces.shape[:, [X0, Y0, X1, Y1]]
@@ -391,14 +391,14 @@ def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray
     place, (x0, y0, tx, ty) = x[index], (shape[face, column] for column in (X0, Y0, TX0, TY0))
     with np.errstate(invalid="ignore", divide="ignore"):
         line = y0 + np.where(ty == 0, 0.0, (place - x0) * (ty / tx))
-    found, bent = [], np.flatnonzero(arc[face])
+    crossings, bent = [], np.flatnonzero(arc[face])
     for up in (True, False):
         met, y = (tx > 0) == up, line
         if len(bent):
             y = line.copy()
             met[bent], y[bent] = _on_arcs(shape[face[bent]].T, place[bent], up)
-        found.append((index[met], y[met]))
-    return found
+        crossings.append((index[met], y[met]))
+    return crossings
 
 
 def _on_arcs(row: np.ndarray, place: np.ndarray, up: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -415,7 +415,7 @@ def _on_arcs(row: np.ndarray, place: np.ndarray, up: bool) -> tuple[np.ndarray, 
 
 
 def _stacked(count: int, index: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Heights by the index of their x, ascending, shape (most at one x, count), m; NaN behind the last of each."""
+    """Heights by the index of their x, ascending, shape (most at one x, count), m; NaN after the last of each."""
     order = np.lexsort((height, index))
     index, height = index[order], height[order]
     number = np.arange(len(index)) - np.searchsorted(index, index)

@@ -68,7 +68,7 @@ Disc = tuple[float, float, float]
 
 
 def _ends(faces: Faces, f: int, px: float, py: float) -> tuple[bool, bool]:
-    """Tells whether the foot of a point lies at or before the start of a face, and at or behind its end."""
+    """Tells whether the foot of a point lies at or before the start of a face, and at or after its end."""
     codes, shape = faces[:2]
     before = codes[f, AT_START] != ENDLESS
     if before:
@@ -344,7 +344,7 @@ class FaceGrid(NamedTuple):
 
 
 def _plain(faces: Faces, f: int, px: float, py: float, margin: float) -> bool:
-    """Tells whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
+    """Tells whether a point faces a straight face, a margin (m) from its ends: its line is then enough."""
     codes, shape = faces[:2]
     if codes[f, KIND] != SEGMENT:
         return False
@@ -389,7 +389,7 @@ def grid_of(faces: Faces, cell: float, reach: float, mark: Callable[..., None] |
             mark(*ask, start, np.empty(0, np.int64))
             ends = np.cumsum(start)
             mine = np.empty(ends[-1], np.int64)
-            start = np.concatenate([[0], ends[:-1]])  # the first face of each cell, one place behind its own
+            start = np.concatenate([[0], ends[:-1]])  # the first face of each cell, one place after its own
             mark(*ask, start, mine)
             start = start[1:]
         starts.append(start + total)
@@ -416,13 +416,13 @@ def mark_cells(
     box : ndarray
         As in `FaceGrid`.
     ends : (int, int)
-        First face of the wall, and that behind its last.
+        First face of the wall, and that after its last.
     cells : (float, float, float, int, int)
         Lower left corner (m), cells per metre, columns, rows.
     reach : float
         m.
     start, listed : ndarray of int64
-        Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
+        Listing moves ``start[cell + 1]`` from the first to after the last face of the cell.
     """
     x_low, y_low, inverse, columns, rows = cells
     far = reach + sqrt(0.5) / inverse

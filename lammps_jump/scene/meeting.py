@@ -24,11 +24,11 @@ LARGEST_OVERLAP = 1.5
 
 def corners(scene: Scene) -> list[tuple[int, BodyCorner]]:
     """Corners of all walls of a scene, each with the number of its wall."""
-    found: list[tuple[int, BodyCorner]] = []
+    body_corners: list[tuple[int, BodyCorner]] = []
     for number, (wall, motion) in enumerate(scene.walls):
         radius = motion.free.corner_radius if motion.free else 0.25 * scene.smallest
-        found += [(number, corner) for corner in corners_of(wall.faces, 0, radius)]
-    return found
+        body_corners += [(number, corner) for corner in corners_of(wall.faces, 0, radius)]
+    return body_corners
 
 
 def corner_names(walls: Sequence[MovingWall]) -> tuple[str, ...]:
@@ -45,9 +45,9 @@ def meets(there: Sequence[MovingWall]) -> np.ndarray:
     body = np.array([one.motion.free is not None for one in there])
     faces = lay([(wall.chains(), wall.deep) for wall, _ in there])
     is_round = np.array([round_of(faces, wall) is not None for wall in range(count)])
-    found = (body[:, None] | body[None, :]) & ~np.eye(count, dtype=bool)
-    found &= is_round[:, None] | ~is_round[None, :]
-    return found & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
+    can_meet = (body[:, None] | body[None, :]) & ~np.eye(count, dtype=bool)
+    can_meet &= is_round[:, None] | ~is_round[None, :]
+    return can_meet & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
 
 
 def yielding(one: MovingWall) -> float:
@@ -79,12 +79,12 @@ def laws_between(scene: Scene, walls: Sequence[MovingWall]) -> np.ndarray:
     dashpot is less, as it sees the half step; friction. Where both walls have a restitution or friction of their own,
     the smaller one counts; where neither has, that of the scene.
     """
-    found = np.zeros((len(walls), len(walls), len(LawNumbers._fields) + 1))
+    laws = np.zeros((len(walls), len(walls), len(LawNumbers._fields) + 1))
     for i, one in enumerate(walls):
         for j, two in enumerate(walls[: i + 1]):
             if i != j and (one.motion.free or two.motion.free):
-                found[i, j] = found[j, i] = _between(scene, one, two)
-    return found
+                laws[i, j] = laws[j, i] = _between(scene, one, two)
+    return laws
 
 
 def _between(scene: Scene, one: MovingWall, two: MovingWall) -> tuple[float, ...]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Motion of a wall: its pose is a pure function of the step. A wall where it is at a step is a `Placed` one."""
+"""Motion of a wall: its pose is a pure function of the step. A wall where it is at a step is a `WallAtStep` one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL = Pose()
 
 
 @dataclass(frozen=True)
-class Went:
+class WallState:
     """State of a wall whose pose is state of the run, at the end of an earlier run.
 
     All numbers are of its point of turning, in the order of `Pose`; None where they are not known.
@@ -66,14 +66,14 @@ class Went:
 
 @dataclass(frozen=True)
 class Motion:
-    """Pose of a wall at each step; without fields it stands.
+    """Pose of a wall at each step; without fields it is at rest.
 
     Attributes
     ----------
     gone : float
         First step whose forces no longer feel the wall; infinite: it stays.
     kind : Translate, Rotate, Oscillate, Table, Loaded, Held or Free, optional
-        How it moves (`lammps_jump.scene.tracks`, `bodies`); None: it stands.
+        How it moves (`lammps_jump.scene.tracks`, `bodies`); None: it is at rest.
     about : (float, float)
         Point of the wall, where the case has it, m: it turns about it, and its moment is taken about it.
     ease : float
@@ -95,7 +95,7 @@ class Motion:
     start: int = 0
     time_step: float = 1.0
     holding: Holding | None = None
-    went: Went | None = None
+    went: WallState | None = None
 
     @property
     def is_state(self) -> bool:
@@ -157,12 +157,12 @@ class MovingWall(NamedTuple):
             return None if now is None else self.wall
         before = self.motion.pose(step - 1)
         own = [(b - a) / self.motion.time_step for a, b in zip(before or now, now, strict=True)]
-        return Placed(self.wall, pose or now, self.motion.about, Pose(*own) if pose is None else rate)
+        return WallAtStep(self.wall, pose or now, self.motion.about, Pose(*own) if pose is None else rate)
 
     @property
-    def placed(self) -> Placed:
+    def placed(self) -> WallAtStep:
         """The wall in the pose in which it begins."""
-        return Placed(self.wall, STILL if self.motion.went is None else self.motion.went.pose, self.motion.about)
+        return WallAtStep(self.wall, STILL if self.motion.went is None else self.motion.went.pose, self.motion.about)
 
     @property
     def first(self) -> Wall:
@@ -171,7 +171,7 @@ class MovingWall(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Placed(Wall):
+class WallAtStep(Wall):
     """A wall that moves, where it is at one step.
 
     Parameters
@@ -216,19 +216,19 @@ class Placed(Wall):
         return self.about[0] + self.pose.x, self.about[1] + self.pose.y
 
     def inward(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points (m) as the frame has them in which the wall stands."""
+        """Points (m) in the frame in which the wall is at rest."""
         (ox, oy), (px, py, angle) = self.about, self.pose
         c, s, dx, dy = cos(angle), sin(angle), x - ox - px, y - oy - py
         return ox + c * dx + s * dy, oy - s * dx + c * dy
 
     def outward(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Points of the frame in which the wall stands (m), where they are."""
+        """Actual places of points (m) of the frame in which the wall is at rest."""
         (ox, oy), (px, py, angle) = self.about, self.pose
         c, s, dx, dy = cos(angle), sin(angle), x - ox, y - oy
         return ox + px + c * dx - s * dy, oy + py + s * dx + c * dy
 
     def turned(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Directions of the frame in which the wall stands, as they are."""
+        """Actual directions, from the frame in which the wall is at rest."""
         c, s = cos(self.pose.angle), sin(self.pose.angle)
         return c * x - s * y, s * x + c * y
 

@@ -89,12 +89,12 @@ def bins_of(wall: Wall, count: int, room: Interval | None = None) -> list[FaceSt
     """At least so many bins of the outline, of about one width; none goes over a corner."""
     runs = runs_of(wall, room)
     width = sum(run.end - run.begin for run in runs) / count
-    found = []
+    stretches = []
     for run in runs:
         parts = max(1, ceil((run.end - run.begin) / width - 1e-9))
         ends = np.linspace(run.begin, run.end, parts + 1).tolist()
-        found += [stretch_of(wall, begin, end) for begin, end in pairwise(ends)]
-    return found
+        stretches += [stretch_of(wall, begin, end) for begin, end in pairwise(ends)]
+    return stretches
 
 
 def gauge_of(wall: Wall, point: Point, width: float, room: Interval | None = None) -> FaceStretch:
@@ -107,7 +107,7 @@ def gauge_of(wall: Wall, point: Point, width: float, room: Interval | None = Non
 
 def foot_of(faces: Faces, point: Point) -> tuple[float, int]:
     """Place along the outline of the point of it that is nearest to a point, m, and its face."""
-    best, found = np.inf, (0.0, -1)
+    best, foot = np.inf, (0.0, -1)
     for face, row in enumerate(faces.shape):
         length = row[LENGTH] if isfinite(row[LENGTH]) else np.inf
         if faces.codes[face, AT_START] == ENDLESS:
@@ -122,8 +122,8 @@ def foot_of(faces: Faces, point: Point) -> tuple[float, int]:
         (x, y), _ = at_place(faces, face, there)
         away = float(np.hypot(point[0] - x, point[1] - y))
         if away < best - 1e-12:
-            best, found = away, (float(row[ARC_LENGTH]) + there, face)
-    return found
+            best, foot = away, (float(row[ARC_LENGTH]) + there, face)
+    return foot
 
 
 def at_place(faces: Faces, face: int, way: float) -> tuple[Point, Point]:

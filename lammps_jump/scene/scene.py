@@ -19,13 +19,13 @@ from lammps_jump.physics.contact import Coefficients, ContactNumbers, WallLaw, d
 from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
 
-from .motion import STILL, MovingWall, Pose, Went, arms
+from .motion import STILL, MovingWall, Pose, WallState, arms
 from .pressed import FaceStretch
 from .sizes import Sizes
 from .walls import Interval, Wall
 
 STABILITY_MEAN = 0.1
-"""Time of the moving mean over which least factors of safety are told, where a case has none, s."""
+"""Time of the moving mean over which least factors of safety are given, where a case has none, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +111,8 @@ class Stations:
 
 
 @dataclass(frozen=True, slots=True)
-class Weighed:
-    """Weight and strength of a wall that stands: density over its outline (kg/m^3), friction of its base."""
+class WallWeight:
+    """Weight and strength of a wall at rest: density over its outline (kg/m^3), friction of its base."""
 
     density: float
     friction: float
@@ -141,8 +141,8 @@ CONTACT = np.dtype([("disc", np.int64), ("partner", np.int64), *((name, float) f
 
 
 @dataclass(frozen=True, eq=False)
-class Earlier:
-    """State that the n discs at the start have of an earlier run, beside place, velocity and diameter.
+class EarlierState:
+    """State that the n discs at the start have of an earlier run, without place, velocity and diameter.
 
     Attributes
     ----------
@@ -173,16 +173,16 @@ class Earlier:
     chains: tuple[str, ...]
     exact: Mapping[str, np.ndarray]
     origins: tuple[str, ...]
-    walls: Mapping[str, Went] = field(default_factory=dict)
+    walls: Mapping[str, WallState] = field(default_factory=dict)
     corners: np.ndarray = field(default_factory=lambda: np.empty(0, CONTACT))
     corner_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """Text with the hash of all numbers, by which scenes are told apart."""
-        found = sha256(repr(self.chains).encode())
+        """Text with the hash of all numbers, by which scenes are distinguished."""
+        digest = sha256(repr(self.chains).encode())
         for array in (self.spins, self.half, self.contacts, *self.exact.values(), self.corners):
-            found.update(array.tobytes())
-        return f"Earlier({found.hexdigest()})"
+            digest.update(array.tobytes())
+        return f"Earlier({digest.hexdigest()})"
 
     def slots(self, count: int) -> dict[str, np.ndarray]:
         """Contact history of each disc, arrays of shape (n, count), named as `lammps_jump.physics.law.Slots`."""
@@ -195,14 +195,14 @@ class Earlier:
 
 def _slots(contacts: np.ndarray, number: int, count: int) -> dict[str, np.ndarray]:
     """Contacts in the slots of so many discs or corners, `count` each."""
-    found = {name: np.zeros((number, count)) for name in ("sigma", "spring", "roll")}
-    found["partner"] = np.zeros((number, count), np.int64)
+    slots = {name: np.zeros((number, count)) for name in ("sigma", "spring", "roll")}
+    slots["partner"] = np.zeros((number, count), np.int64)
     rows = contacts[np.argsort(contacts["disc"], kind="stable")]
     slot = np.arange(len(rows)) - np.searchsorted(rows["disc"], rows["disc"])
     rows, slot = rows[slot < count], slot[slot < count]
     for name, own in (("partner", "partner"), ("sigma", "foot"), ("spring", "spring"), ("roll", "roll")):
-        found[name][rows["disc"] - 1, slot] = rows[own]
-    return found
+        slots[name][rows["disc"] - 1, slot] = rows[own]
+    return slots
 
 
 def chains_of(walls: Iterable[MovingWall]) -> tuple[str, ...]:
@@ -231,7 +231,7 @@ class Measures:
 
     @property
     def mean_square(self) -> float:
-        """Mean squared diameter by number, m^2: the area that a disc stands for."""
+        """Mean squared diameter by number, m^2: the area that a disc represents."""
         return self.sizes.mean_square if self.sizes else self.diameter * self.diameter
 
     def diameters(self, ids: ArrayLike) -> np.ndarray:
@@ -258,7 +258,7 @@ class Measures:
 
 
 @dataclass(frozen=True)
-class Beginning(Measures):
+class InitialState(Measures):
     """Beginning of a scene: discs at the start, their contact, and steps; fields as of `Scene`."""
 
     diameter: float
@@ -274,7 +274,7 @@ class Beginning(Measures):
     stiffer: str
     fixed: Fixed | None = None
     beds: tuple[Wall, ...] = ()
-    earlier: Earlier | None = None
+    earlier: EarlierState | None = None
 
 
 @dataclass(frozen=True)
@@ -295,7 +295,7 @@ class Scene(Measures):
     positions, velocities : ndarray, shape (n, 2)
         Discs at the start, read-only; their ids are 1 … n in this order.
     walls : tuple of MovingWall
-        Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
+        Each wall with its motion; a `Wall` given alone is at rest. A gate is a wall whose motion takes it away.
     hydrograph : Hydrograph, optional
         The inflow against time that the rows carry out; without it they are steady.
     probes : tuple of str
@@ -309,7 +309,7 @@ class Scene(Measures):
     stability : tuple of (str, Weighed)
         Walls that are looked at as if they had this weight, by name; their forces are recorded too.
     stability_mean : float
-        Time of the moving mean over which least factors of safety are told, s.
+        Time of the moving mean over which least factors of safety are given, s.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -337,7 +337,7 @@ class Scene(Measures):
         The native engine and the compiled kernel write the contacts of each frame with their forces
         (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
-        What to beware of; which asked values whole steps have changed.
+        What to beware of; which requested values whole steps have changed.
     stiffer : str
         Advice: what makes the contacts of the case stiffer.
     steps : int
@@ -389,12 +389,12 @@ class Scene(Measures):
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
     pressure: tuple[FaceStretch, ...] = field(default=(), metadata=LATER)
-    stability: tuple[tuple[str, Weighed], ...] = ()
+    stability: tuple[tuple[str, WallWeight], ...] = ()
     stability_mean: float = STABILITY_MEAN
-    earlier: Earlier | None = field(default=None, metadata=LATER)
+    earlier: EarlierState | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        """Let walls that are given alone stand; record what is weighed and groups; CaseError where these move apart."""
+        """Keeps walls given alone at rest; records what is weighed and groups; CaseError where these move apart."""
         walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
         object.__setattr__(self, "walls", walls)
         if self.springs is not None and not self.slots:
@@ -498,7 +498,7 @@ class Scene(Measures):
 
     @property
     def bodies(self) -> tuple[MovingWall, ...]:
-        """Bodies, which stand among its walls."""
+        """Bodies, which are among its walls."""
         return tuple(one for one in self.walls if one.motion.free)
 
     @property
@@ -514,8 +514,8 @@ class Scene(Measures):
         `loaded` are the poses of walls that the discs push, by name, and `rates` their velocities, 0 where not given.
         """
         poses, speeds = loaded or {}, rates or {}
-        found = (one.at(step, poses.get(one.wall.name), speeds.get(one.wall.name, STILL)) for one in self.walls)
-        return tuple(wall for wall in found if wall is not None)
+        walls = (one.at(step, poses.get(one.wall.name), speeds.get(one.wall.name, STILL)) for one in self.walls)
+        return tuple(wall for wall in walls if wall is not None)
 
     def wall_law(self, name: str) -> WallLaw:
         """Contact with the wall of that name."""
@@ -605,7 +605,7 @@ def handmade_scene(
     positions, velocities : array_like, shape (n, 2)
         m, m/s.
     walls : tuple of Wall or MovingWall
-        A `Wall` stands.
+        A `Wall` is at rest.
     diameter, density : float
         m, kg/m^3.
     largest_overlap, impact_speed : float
@@ -644,6 +644,6 @@ def handmade_scene(
         coefficients=derive(contact),
         positions=np.asarray(positions, float).reshape(-1, 2),
         velocities=np.asarray(velocities, float).reshape(-1, 2),
-        walls=walls,  # type: ignore[arg-type]  # the scene lets plain walls stand
+        walls=walls,  # type: ignore[arg-type]  # the scene keeps plain walls at rest
         **fields,
     )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .scene import Beginning, Stations
+from .scene import InitialState, Stations
 from .walls import Interval
 
 TOLD = 1e-3
@@ -61,8 +61,8 @@ def fitted_step(duration: float, output_interval: float, probe_interval: float |
 def plan_steps(duration: float, output_interval: float, probe_interval: float | None, time_step: float) -> Schedule:
     """Whole steps nearest to times in s; windows and frames are adapted before the duration is.
 
-    Of the frame intervals near the one asked for, those that keep the duration within `TOLD` are taken, else the one
-    that changes it least; of them the one for which frame interval and window are nearest to what was asked.
+    Of the frame intervals near the requested one, those that keep the duration within `TOLD` are taken, else the one
+    that changes it least; of them the one for which frame interval and window are nearest to the requested ones.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def plan_steps(duration: float, output_interval: float, probe_interval: float | 
     output = max(1, round(duration / (frames * time_step)))
     if probe_interval is None:
         return Schedule(frames * output, output, output)
-    asked, whole = duration / frames / time_step, duration / time_step
-    wanted = min(max(1.0, probe_interval / time_step), asked)
+    steps_between, whole = duration / frames / time_step, duration / time_step
+    wanted = min(max(1.0, probe_interval / time_step), steps_between)
     reach = min(int(WIDEST * output), MOST_TRIED // 2)
     plans = []
     for tried in range(output - reach, output + reach + 1):
@@ -84,7 +84,7 @@ def plan_steps(duration: float, output_interval: float, probe_interval: float | 
         late = abs(number * tried / whole - 1.0)
         divisors = _divisors(tried)
         probe = int(divisors[np.argmin(np.abs(np.log(divisors / wanted)))])
-        worst = max(abs(tried / asked - 1.0), WINDOW_WEIGHT * abs(probe / wanted - 1.0))
+        worst = max(abs(tried / steps_between - 1.0), WINDOW_WEIGHT * abs(probe / wanted - 1.0))
         plans.append((max(late, TOLD), worst, late, Schedule(number * tried, tried, probe)))
     return min(plans)[-1]
 
@@ -96,20 +96,20 @@ def _divisors(n: int) -> np.ndarray:
 
 
 def rounding_notes(
-    asked: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
+    times_given: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
 ) -> tuple[str, ...]:
-    """Sentences on values that differ from what was asked by more than `TOLD`.
+    """Sentences on values that differ from the requested ones by more than `TOLD`.
 
     Parameters
     ----------
-    asked : mapping of the field's name to (asked, made)
+    times_given : mapping of the field's name to (asked, made)
     unit : str
     why : str
         What has changed them.
     """
     return tuple(
         f"{name}: {made:z.4g} {unit} in place of {value:z.4g} {unit}, because {why}"
-        for name, (value, made) in asked.items()
+        for name, (value, made) in times_given.items()
         if abs(made - value) > TOLD * abs(value)
     )
 
@@ -119,18 +119,20 @@ def windows_of(mean: float, window: float) -> int:
     return max(1, round(mean / max(window, 1e-300))) | 1
 
 
-def told_of_window(asked: float, made: float, output_interval: float) -> tuple[str, ...]:
-    """Sentences on a window of the probes that differs from the one asked for (s), and why it does."""
+def told_of_window(given: float, made: float, output_interval: float) -> tuple[str, ...]:
+    """Sentences on a window of the probes that differs from the requested one (s), and why it does."""
     why = "windows are whole steps, and whole numbers of them make the time between frames"
-    if asked > (1 + TOLD) * output_interval:
+    if given > (1 + TOLD) * output_interval:
         why = (
-            f"a window is at most the time between frames: for {asked:z.4g} s set run.output_interval to "
-            f"{asked:z.4g} s or a multiple of it"
+            f"a window is at most the time between frames: for {given:z.4g} s set run.output_interval to "
+            f"{given:z.4g} s or a multiple of it"
         )
-    return rounding_notes({"probes.interval": (asked, made)}, why=why)
+    return rounding_notes({"probes.interval": (given, made)}, why=why)
 
 
-def plan_stations(x: Interval, speed: float, window: Interval, scene: Beginning, places: Iterable[float]) -> Stations:
+def plan_stations(
+    x: Interval, speed: float, window: Interval, scene: InitialState, places: Iterable[float]
+) -> Stations:
     """Stations at `x` (m) that move at `speed` (m/s) from the first to the last frame of a window (s).
 
     Discs come and go at `places` (m).

@@ -185,7 +185,7 @@ def drawn(given: Sequence[Point | ArcTo], *, least: int, ring: bool = False) -> 
 
 
 def closed_path(given: Sequence[Point | ArcTo], *, clockwise: bool) -> Path:
-    """The outline of a polygon, in the turning asked for, whichever was given.
+    """The outline of a polygon, in the requested turning, whichever was given.
 
     Raises
     ------
@@ -213,8 +213,8 @@ def _check(path: Path, given: int) -> None:
                 f"the wall turns right back at ({x:zg}, {y:zg}) m; move the point, or take a line with sheet: "
                 "true, felt from both sides",
             )
-    if found := _meeting(ends, parts, SAME * path.size):
-        (first, second), (x, y) = found
+    if meeting := _meeting(ends, parts, SAME * path.size):
+        (first, second), (x, y) = meeting
         raise PlaceError(
             ("points", (second + 1) % given),
             f"the wall meets itself at ({x:z.6g}, {y:z.6g}) m: here and between points {first} and {first + 1}; "
@@ -246,10 +246,10 @@ def _meeting(
             )
         for j in later[over]:
             (one, a), (two, b) = faces[min(i, j)], faces[max(i, j)]
-            beside = two - one == 1 or (one == 0 and two == count - 1 and ends[0] == ends[-1])
-            if one == two or (beside and a.kind == b.kind == SEGMENT):
+            is_next = two - one == 1 or (one == 0 and two == count - 1 and ends[0] == ends[-1])
+            if one == two or (is_next and a.kind == b.kind == SEGMENT):
                 continue
-            joints = {ends[one], ends[one + 1]} & {ends[two], ends[two + 1]} if beside else set()
+            joints = {ends[one], ends[one + 1]} & {ends[two], ends[two + 1]} if is_next else set()
             for point in common(a, b, near):
                 if all(hypot(*np.subtract(point, joint)) > 1e3 * near for joint in joints):
                     return (one, two), point
@@ -361,9 +361,9 @@ def over_each_other(one: Faces, two: Faces) -> Point | None:
         same = _looked_at(two) & (two.shape[:, TX0] * tx + two.shape[:, TY0] * ty > 1.0 - FLUSH**2)
         same &= np.abs(tx * dy - ty * dx) <= room
         first, last = np.maximum(other[:, 0], begin), np.minimum(other[:, 1], end)
-        found = np.flatnonzero(same & (last - first > room))
-        if found.size:
-            way = next((float(at) for at in (first[found[0]], last[found[0]]) if np.isfinite(at)), 0.0)
+        crossing = np.flatnonzero(same & (last - first > room))
+        if crossing.size:
+            way = next((float(at) for at in (first[crossing[0]], last[crossing[0]]) if np.isfinite(at)), 0.0)
             return x0 + way * tx, y0 + way * ty
     return None
 
@@ -402,8 +402,8 @@ def _span(faces: Faces, start: Point, along: Point) -> np.ndarray:
 
 def vertices(faces: Faces) -> np.ndarray:
     """Both ends of all faces, shape (2 faces, 2), m; none of a wall without end."""
-    found = faces.shape[faces.codes[:, AT_START] != ENDLESS]
-    return np.concatenate([found[:, [X0, Y0]], found[:, [X1, Y1]]])
+    corners = faces.shape[faces.codes[:, AT_START] != ENDLESS]
+    return np.concatenate([corners[:, [X0, Y0]], corners[:, [X1, Y1]]])
 
 
 def open_ends(faces: Faces) -> list[Point]:
@@ -422,7 +422,7 @@ def tight_bend(faces: Faces) -> tuple[float, Point] | None:
 
     A bend is a row of smooth joints that turn by more than `LONG_BEND` together. None: there is none.
     """
-    found: tuple[float, Point] | None = None
+    tightest: tuple[float, Point] | None = None
     codes, shape = faces.codes, faces.shape
     smooth = codes[:, AT_END] == SMOOTH
     begins = set(np.flatnonzero(smooth & (codes[:, AT_START] != SMOOTH)).tolist())
@@ -434,9 +434,9 @@ def tight_bend(faces: Faces) -> tuple[float, Point] | None:
             turns.append(_turn_behind(faces, face))
             length += shape[face, LENGTH]
             turned += 0.5 * (turns[-2] + turns[-1])
-        if sum(turns) > LONG_BEND and turned and (found is None or length / turned < found[0]):
-            found = length / turned, (float(shape[begin, X1]), float(shape[begin, Y1]))
-    return found
+        if sum(turns) > LONG_BEND and turned and (tightest is None or length / turned < tightest[0]):
+            tightest = length / turned, (float(shape[begin, X1]), float(shape[begin, Y1]))
+    return tightest
 
 
 def _turn_behind(faces: Faces, face: int) -> float:

@@ -105,10 +105,10 @@ class Sizes:
         u = self.quantiles(ids)
         begins, ends, low, slope = self.pieces.T
         piece = np.minimum(np.searchsorted(ends, u, side="right"), len(ends) - 1)
-        found = low[piece] + slope[piece] * (u - begins[piece])
+        result = low[piece] + slope[piece] * (u - begins[piece])
         if self.given:
             known = np.array(self.given)
-            found = np.where(np.asarray(ids) <= len(known), known[np.clip(ids, 1, len(known)) - 1], found)
+            result = np.where(np.asarray(ids) <= len(known), known[np.clip(ids, 1, len(known)) - 1], result)
         for first, last, diameter in self.own:
-            found = np.where((np.asarray(ids) >= first) & (np.asarray(ids) <= last), diameter, found)
-        return found
+            result = np.where((np.asarray(ids) >= first) & (np.asarray(ids) <= last), diameter, result)
+        return result

@@ -101,7 +101,7 @@ class Kind:
 
     @property
     def end(self) -> float:
-        """Time from which on the wall stands again, s, apart from ease; infinite: never."""
+        """Time from which on the wall is at rest again, s, apart from ease; infinite: never."""
         return inf if self.until is None else self.until
 
     def corners(self, ease: float) -> list[VelocityChange]:
@@ -115,8 +115,8 @@ class Kind:
     def _steady(self, velocity: tuple[float, float, float], ease: float) -> list[VelocityChange]:
         """One velocity from begin to end."""
         vx, vy, turn = velocity
-        found = [VelocityChange(self.begin, velocity, ease)]
-        return found if isinf(self.end) else [*found, VelocityChange(self.end, (-vx, -vy, -turn), ease)]
+        changes = [VelocityChange(self.begin, velocity, ease)]
+        return changes if isinf(self.end) else [*changes, VelocityChange(self.end, (-vx, -vy, -turn), ease)]
 
 
 @dataclass(frozen=True)
@@ -188,18 +188,18 @@ class Oscillate(Kind):
 
     def corners(self, ease: float) -> list[VelocityChange]:
         """Changes of velocity at both ends, where `ease` is given: sudden ones are taken away and come in slowly."""
-        wave, found = self.wave(), []
+        wave, changes = self.wave(), []
         for time, sign in ((self.begin, 1.0), (self.end, -1.0)) if self.ease else ():
             if not isinf(time):
                 sines = zip(wave.amplitude, wave.rate, wave.phase, strict=True)
                 x, y, angle = (
                     sign * rate * cos(rate * (time - wave.begin) + phase) * part for part, rate, phase in sines
                 )
-                found += [
+                changes += [
                     VelocityChange(time, (-x, -y, -angle), 0.0),
                     VelocityChange(time, (x, y, angle), self.ease or 0.0),
                 ]
-        return found
+        return changes
 
 
 @dataclass(frozen=True)
@@ -253,15 +253,15 @@ class TableMotion(Kind):
 
     def corners(self, ease: float) -> list[VelocityChange]:
         """A change of velocity at each row; the way ends at `until`."""
-        found, old, last = [], (0.0, 0.0, 0.0), self.begin
+        changes, old, last = [], (0.0, 0.0, 0.0), self.begin
         for (t, *place), (later, *target) in pairwise(self._rows()):
             if t >= self.end:
                 break
             x, y, turn = ((b - a) / (later - t) for a, b in zip(place, target, strict=True))
             new = x, y, radians(turn)
-            found.append(VelocityChange(t, (new[0] - old[0], new[1] - old[1], new[2] - old[2]), ease))
+            changes.append(VelocityChange(t, (new[0] - old[0], new[1] - old[1], new[2] - old[2]), ease))
             old, last = new, min(later, self.end)
-        return [*found, VelocityChange(last, (-old[0], -old[1], -old[2]), ease)]
+        return [*changes, VelocityChange(last, (-old[0], -old[1], -old[2]), ease)]
 
 
 @dataclass(frozen=True)
@@ -356,7 +356,7 @@ def track_of(corners: list[VelocityChange], wave: Wave | None) -> np.ndarray:
 def _way(begin: float, corner: VelocityChange) -> np.ndarray:
     """Coefficients, of the time since `begin`, of the way that a change of velocity of 1 makes; shape (5,).
 
-    The way is s^3/tau^2 - s^4/(2 tau^3) up to s = tau behind the corner, and s - tau/2 beyond.
+    The way is s^3/tau^2 - s^4/(2 tau^3) up to s = tau after the corner, and s - tau/2 beyond.
     """
     s, tau = begin - corner.time, corner.ease
     if s < 0:
@@ -392,10 +392,10 @@ def pose_py(track: np.ndarray, first: int, last: int, time: float) -> tuple[floa
 
 def times_of(track: np.ndarray, begin: float, end: float) -> np.ndarray:
     """Times (s) from `begin` to `end` that show a whole way: equal steps, rows of the track, a period of its waves."""
-    found = [np.linspace(begin, end, SAMPLES), track[:, BEGIN]]
+    times_of_track = [np.linspace(begin, end, SAMPLES), track[:, BEGIN]]
     rates = ((row[BEGIN], rate) for row in track for rate in row[RATE : RATE + 3] if rate)
-    found += [begins + np.linspace(0.0, 2 * pi / rate, 33) for begins, rate in rates]
-    times = np.unique(np.concatenate(found))
+    times_of_track += [begins + np.linspace(0.0, 2 * pi / rate, 33) for begins, rate in rates]
+    times = np.unique(np.concatenate(times_of_track))
     return times[(times >= begin) & (times <= end)]
 
 

@@ -46,7 +46,7 @@ def _in_a_file(schema: dict[str, Any], wall: type) -> None:
     """JSON schema of a wall in a case file: its kind comes first and must be given."""
     kind = schema["properties"].pop("kind")
     del kind["default"]
-    own = {name: schema["properties"].pop(name) for name in (part.name for part in fields(_Own))}
+    own = {name: schema["properties"].pop(name) for name in (part.name for part in fields(_WallOwnFields))}
     schema["properties"] = {"kind": kind, **schema["properties"], **own}
     schema["required"] = ["kind", *schema["required"]]
     schema["description"] = (wall.__doc__ or "").splitlines()[0]
@@ -56,7 +56,7 @@ Motions = Annotated[KINDS_OF_MOTION, Field(discriminator="kind")]
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Own:
+class _WallOwnFields:
     """Fields that any wall may have of its own: numbers of its contacts, and a motion."""
 
     friction: Annotated[
@@ -94,7 +94,7 @@ class _Own:
     ] = field(default=None, repr=False)
 
 
-class Wall(_Own):
+class Wall(_WallOwnFields):
     """Answers of every wall. A new wall is a frozen dataclass with `kind`, `name` and fields, and `chains`."""
 
     __pydantic_config__ = ConfigDict(extra="forbid", serialize_by_alias=True, json_schema_extra=_in_a_file)
@@ -105,7 +105,7 @@ class Wall(_Own):
     deep: ClassVar[bool] = False
     """Says whether discs behind a face are pushed back from any depth, and not from their radius alone."""
     parts: tuple[str, ...] = ()
-    """Endings behind the name that scripts use for parts of the wall; no other wall may have such a name."""
+    """Endings after the name that scripts use for parts of the wall; no other wall may have such a name."""
 
     def chains(self) -> tuple[Chain, ...]:
         """Chains of faces that push, drawn with the discs on their left."""

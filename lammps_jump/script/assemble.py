@@ -252,7 +252,7 @@ MOST_SEED = 900_000_000
 def _pours(scene: Scene, step: int, poured: int, kernel: str) -> list[str]:
     """Commands up to the next turn of the pour, at which the discs that are left begin to come; none without any.
 
-    ``fix pour`` lets discs in at the step behind that of its command.
+    ``fix pour`` lets discs in at the step after that of its command.
     """
     left = replace(scene, pours=rest_of_pours(scene, poured), seed=(scene.seed + step) % MOST_SEED)
     turns = [turn for pour in left.pours for turn in scene.pour_turns(pour) if turn > step]
@@ -268,7 +268,7 @@ def rest_of_pours(scene: Scene, poured: int) -> tuple[Pour, ...]:
 
 
 def _output(scene: Scene, dump_format: str) -> list[str]:
-    """Continues the dump behind its last frame; a plain interval would write the frame of this step twice."""
+    """Continues the dump after its last frame; a plain interval would write the frame of this step twice."""
     lines = stock.output(scene, dump_format)
     if dump_format == "binary":
         lines = [line.replace(DUMP_NAMES["binary"], BINARY_PART) for line in lines]

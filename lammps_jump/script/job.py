@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A job file for a Slurm cluster: runs the folder it stands in, and goes on after a time limit."""
+"""A job file for a Slurm cluster: runs the folder it is in, and goes on after a time limit."""
 
 from __future__ import annotations
 

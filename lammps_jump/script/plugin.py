@@ -78,7 +78,7 @@ def turns_text(scene: Scene) -> Iterator[str]:
 
 
 def contact_law(scene: Scene) -> list[str]:
-    """The plugin's pair style; law, walls and all that belongs to them stand in the file beside the script."""
+    """The plugin's pair style; law, walls and all that belongs to them are in the file next to the script."""
     fixed = f" fixed {scene.fixed.first} {scene.fixed.last}" if scene.fixed else ""
     return [f"pair_style      jump/disc {SCENE_FILE}{fixed}", "pair_coeff      * *"]
 

@@ -77,7 +77,7 @@ def centre(moving: MovingWall) -> tuple[str, str]:
 
 
 def power(moving: MovingWall, scene: Scene, parts: int) -> list[str]:
-    """Variables up to ``work_NAME``, the power of a moving wall on the discs at a step; none of a wall that stands.
+    """Variables up to ``work_NAME``, the power of a moving wall on the discs at a step; none of a wall at rest.
 
     Its velocity is centred on the step, so that the sum of power is the work that LAMMPS' steps do on the discs.
     """
@@ -114,7 +114,7 @@ def near(moving: MovingWall, scene: Scene) -> list[str]:
 def plugin_probes(scene: Scene) -> list[str]:
     """Force on each probed wall: the fix holds the mean over each window, every step counted, moments and power too.
 
-    The fix also writes the rows of ``walls.csv`` and ``bodies.csv``, behind their headers.
+    The fix also writes the rows of ``walls.csv`` and ``bodies.csv``, after their headers.
     """
     lines = ["variable        clock equal time"] if scene.probes else []
     columns = 4 if scene.moves else 3
@@ -125,7 +125,7 @@ def plugin_probes(scene: Scene) -> list[str]:
 
 
 def going_on(scene: Scene, text: str) -> str:
-    """A script whose files go on behind what the part before has written."""
+    """A script whose files go on after what the part before has written."""
     for name in scene.probes:
         text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
     for header, file in ((POSES_HEADER, POSES), (BODIES_HEADER, BODIES)):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Walls as LAMMPS' own regions, found from their chains of faces; numbers as LAMMPS reads them.
+"""Walls as LAMMPS' own regions, made from their chains of faces; numbers as LAMMPS reads them.
 
 One region is a rectangle, a segment (a rectangle without thickness), a circle or a half-plane, at any angle; it may
 move. A polyline is an intersection of the outsides of thin rectangles behind its faces. At convex joints these end
 where a small circle touches both faces, and the circle takes the place of the vertex. Sub-regions of an intersection
-give no velocity to dashpot and friction, so that a polyline must stand.
+give no velocity to dashpot and friction, so that a polyline must be at rest.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ ROUNDING = 1e-4
 OVERHANG = 16 * np.finfo(float).eps
 """Excess of that circle, and length that faces lack at a concave vertex, as a share of coordinates: round-off.
 
-A disc feels face and circle at once over a way of some 1e-5 d beside the joint, which grows with the root of this."""
+A disc feels face and circle at once over a way of some 1e-5 d near the joint, which grows with the root of this."""
 THICKNESS = 1.5
 """Thickness of a polyline's rectangles, in radii of that circle: their ends lie inside it."""
 LEAST_TURN = 1e-4
@@ -89,8 +89,8 @@ def joints(wall: Wall) -> list[float]:
 
 def level(wall: Wall) -> bool:
     """Tells whether every face of a wall is straight and along an axis."""
-    found = (face for chain in wall.chains() for face in faces_of_chain(chain))
-    return all(face.kind != ARC and 0.0 in face.first for face in found)
+    faces = (face for chain in wall.chains() for face in faces_of_chain(chain))
+    return all(face.kind != ARC and 0.0 in face.first for face in faces)
 
 
 def single_regions(wall: Wall, about: Point) -> list[LammpsRegion]:
@@ -206,8 +206,8 @@ def _thickness(wall: Wall, chain: Chain, faces: list[Face], scene: Scene) -> flo
             ends = [_behind(face, point) for point in (other.start, other.end)]
             if i == j or max(way for _, way in ends) <= thin:
                 continue
-            beside = abs(i - j) == 1 or (chain.closed and abs(i - j) == len(faces) - 1)
-            if not beside:
+            is_next = abs(i - j) == 1 or (chain.closed and abs(i - j) == len(faces) - 1)
+            if not is_next:
                 near = min(near, _apart(face, other))
             depth = min(depth, _clipped(ends, face.length))
     if near > 0.5 * scene.largest:
@@ -227,7 +227,7 @@ def _behind(face: Face, point: Point) -> Point:
 
 
 def _clipped(ends: list[Point], length: float) -> float:
-    """Smallest depth of a segment, given in the frame of a face, over that face, m; infinite beside it."""
+    """Smallest depth of a segment, given in the frame of a face, over that face, m; infinite outside it."""
     (a, da), (b, db) = sorted(ends)
     margin = 1e-9 * length
     low, high = max(a, margin), min(b, length - margin)
@@ -239,14 +239,14 @@ def _clipped(ends: list[Point], length: float) -> float:
 
 def _apart(one: Face, two: Face) -> float:
     """Distance of two faces that do not cross, m."""
-    found = inf
+    distance = inf
     for face, other in ((one, two), (two, one)):
         for x, y in (other.start, other.end):
             along, _ = _behind(face, (x, y))
             share = min(max(along / face.length, 0.0), 1.0)
             px, py = (a + share * (b - a) for a, b in zip(face.start, face.end, strict=True))
-            found = min(found, hypot(x - px, y - py))
-    return found
+            distance = min(distance, hypot(x - px, y - py))
+    return distance
 
 
 class WayFormulas(NamedTuple):
@@ -268,19 +268,19 @@ def _coordinate(track: np.ndarray, first: int, k: int, now: str) -> str:
     terms = []
     for row, end in zip(track, [*track[1:, BEGIN], inf], strict=False):
         since = f"({now}-({number(row[BEGIN])}))"
-        found = ""
+        expression = ""
         for coefficient in row[first : first + 5][::-1]:
-            if found:
-                found = f"({found}*{since}+({number(coefficient)}))"
+            if expression:
+                expression = f"({expression}*{since}+({number(coefficient)}))"
             elif coefficient:
-                found = f"({number(coefficient)})"
+                expression = f"({number(coefficient)})"
         if row[WAVE + k]:
             rate, phase = number(row[RATE + k]), number(row[PHASE + k])
             sine = f"({number(row[WAVE + k])})*sin({rate}*{since}+({phase}))"
-            found = f"({found}+{sine})" if found else sine
-        if found:
+            expression = f"({expression}+{sine})" if expression else sine
+        if expression:
             until = f"*({now}<{number(end)})" if end < inf else ""
-            terms.append(f"({now}>={number(row[BEGIN])}){until}*{found}")
+            terms.append(f"({now}>={number(row[BEGIN])}){until}*{expression}")
     return "+".join(terms)
 
 

@@ -259,7 +259,7 @@ def output(scene: Scene, dump_format: str) -> list[str]:
 def guards(scene: Scene) -> list[str]:
     """Guards that end a run that has gone wrong: discs too deep in each other, lost to NaN, or out of the plane.
 
-    No compute of LAMMPS gives the overlap of discs that are not equal: that of the smallest stands for all, so that
+    No compute of LAMMPS gives the overlap of discs that are not equal: that of the smallest is used, so that
     larger ones overlap deeper before the run ends.
     """
     return [
@@ -332,7 +332,7 @@ def schedule(scene: Scene, gates: list[str], inlets: list[str], kernel: str) -> 
 
 
 def first_step(scene: Scene) -> int:
-    """Step behind which inlets begin; 0 where they do at once. No checkpoint is written up to it."""
+    """Step after which inlets begin; 0 where they do at once. No checkpoint is written up to it."""
     return max(0, min((row.first_step - 1 for row in scene.inlets), default=0))
 
 

@@ -146,7 +146,7 @@ class PageWork(NamedTuple):
     remedy : str
         What to do then.
     page : str
-        Name of the page, which asks for one thing at a time: its older work is left. Empty: the work stands alone.
+        Name of the page, which asks for one thing at a time: its older work is left. Empty: independent work.
     """
 
     call: partial[Any]
@@ -169,11 +169,11 @@ class Bounded:
         Raises
         ------
         OutOfDate
-            The page has asked for something newer meanwhile.
+            The page has requested something newer meanwhile.
         JumpError
             That of the call; it took too long or too much memory.
         RuntimeError
-            An error of this program; its process has told where.
+            An error of this program; its process has reported where.
         """
         mine = object()
         with self._lock:

@@ -18,7 +18,7 @@ function tellImport(wrong, ...parts) {
   byId("imported").scrollIntoView({ block: "nearest" });
 }
 
-// The drawing of a file, with what stands in the field of the scale.
+// The drawing of a file, with the content of the field of the scale.
 async function importDrawing(scale) {
   byId("scale-act").hidden = true;
   if (dropped.size > file.largest) {
@@ -53,7 +53,7 @@ async function importDrawing(scale) {
   followUndo();
 }
 
-// What Undo and Redo do to the walls that came last; they may stand in the text, or be taken away again.
+// What Undo and Redo do to the walls that came last; they may be in the text, or be taken away again.
 function followUndo() {
   if (!taken) return;
   const redo = editor.future.includes(taken.text);

@@ -5,7 +5,7 @@
 const ROOM = 1 << 16;
 const WORDS = 6;
 // Of gaps between frames that come: how many are remembered, the longest one that counts and the first one that is
-// expected, ms; how much slower than the longest of them the picture moves, so that it seldom stands.
+// expected, ms; how much slower than the longest of them the picture moves, so that it seldom stops.
 const GAPS = 5, LONGEST_GAP = 4000, FIRST_GAP = 400, SLOWER = 1.1;
 // Milliseconds between pictures of a run that grows: the run needs the processor, too.
 const DRAWN_EVERY = 45;

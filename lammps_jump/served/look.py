@@ -3,7 +3,7 @@
 
 Also the text with the walls of a drawing that is dropped on the page.
 
-Places are found by how they are written: sides ``x: [a, b]`` and ``y: [c, d]``, points, a centre and its radius, one
+Places are recognized by how they are written: sides ``x: [a, b]`` and ``y: [c, d]``, points, centre and radius, one
 coordinate. So a new kind of wall that writes its place in such a way can be dragged too.
 """
 
@@ -41,7 +41,7 @@ SIDES = (("left", "right"), ("lower", "upper"))
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenLength:
     """A length as the text has it.
 
     Attributes
@@ -102,7 +102,7 @@ class Places:
         self._source, self._text = source, text
         self._plain = text.isascii() or max(map(ord, text)) < 0x10000  # one letter is one of JavaScript
         self._known: dict[PathKey, int] = {}
-        self.numbers: list[Written] = []
+        self.numbers: list[WrittenLength] = []
         self.found = list(islice(self._of(source.data, (), ""), MOST))
 
     def _number(self, path: PathKey) -> int | None:
@@ -120,7 +120,7 @@ class Places:
             return None
         self._known[path] = len(self.numbers)
         start, end = (self._letters(span[0] + hit.start(2)), self._letters(span[0] + hit.end(2)))
-        self.numbers.append(Written(start, end, digits * unit, unit))
+        self.numbers.append(WrittenLength(start, end, digits * unit, unit))
         return self._known[path]
 
     def _letters(self, index: int) -> int:
@@ -149,9 +149,9 @@ class Places:
                 yield from self._point(here, value, f"{called}, {key}" if key != "arc_to" else called)
             elif key in LISTS and isinstance(value, list):
                 for index, item in enumerate(value):
-                    told = f"{called}, point {index + 1}"
-                    yield from self._point((*here, index), item, told)
-                    yield from self._of(item, (*here, index), told)
+                    label = f"{called}, point {index + 1}"
+                    yield from self._point((*here, index), item, label)
+                    yield from self._of(item, (*here, index), label)
             elif key in ROWS_OF_X and isinstance(value, list):
                 for index, _ in enumerate(value):
                     yield from self._line((*here, index), f"{key} {index + 1}", "x")
@@ -204,7 +204,7 @@ NARROWEST, WIDEST = 240, 2000
 MOST_DISCS = 1_000_000
 """Discs of a case that a page draws; a few seconds."""
 MOST_DRAWN = 12_000_000
-"""Bytes of a drawing that a page sends: with a text of a case beside it, it fits into a request."""
+"""Bytes of a drawing that a page sends: with a text of a case, it fits into a request."""
 
 
 class DroppedFile(NamedTuple):
@@ -228,13 +228,15 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
                 f"{file}: {many} discs at the start; this page draws up to {MOST_DISCS}, and `lammps-jump preview` more"
             )
         resolved, chosen = engines.accuracy.with_accuracy(case)
-        found = resolved.check()
+        derived = resolved.check()
         widest = min(max(wide, NARROWEST), WIDEST) - svg.LEFT - svg.RIGHT
         drawing = runs.view.drawing_of(resolved, widest)
     except JumpError as error:
         return {"error": located(str(error), str(file))}
     places = Places(case.source, text)
-    groups = [(title, [(label, shown(value), unit) for _, label, value, unit in rows]) for title, rows in found.tables]
+    groups = [
+        (title, [(label, shown(value), unit) for _, label, value, unit in rows]) for title, rows in derived.tables
+    ]
     return plain(
         {
             "name": case.name,
@@ -244,8 +246,8 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
             "numbers": [asdict(one) for one in places.numbers],
             "places": [asdict(one) for one in places.found],
             "derived": [group for group in groups if group[1]],
-            "doubtful": [*found.warnings, *chosen],
-            "notes": [*found.begins, *found.slopes, *found.skipped],
+            "doubtful": [*derived.warnings, *chosen],
+            "notes": [*derived.begins, *derived.slopes, *derived.skipped],
         }
     )
 
@@ -262,7 +264,7 @@ def flow_page(text: str, file: Path) -> str:
 
 
 def flow_of_run(folder: Path, time: float) -> str:
-    """A live page of a run from a time on, s, beside the run as it was recorded; without sliders of numbers.
+    """A live page of a run from a time on, s, next to the run as recorded; without sliders of numbers.
 
     Raises
     ------
@@ -294,11 +296,11 @@ def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:
         )
     ReadCase.parse(text, file.name, folder=file.parent)
     drawing = drawings.read_drawing(name, scale=scale, data=data)
-    found = drawings.entries(drawing)
+    entries = drawings.entries(drawing)
     return {
-        "text": drawings.with_walls(text, found, file.name),
-        "added": [f"{one.wall['name']}: {', '.join(one.facts)}" for one in found],
-        "notes": [*drawing.notes, *drawings.doubts(found, max(drawing.extent()))],
+        "text": drawings.with_walls(text, entries, file.name),
+        "added": [f"{one.wall['name']}: {', '.join(one.facts)}" for one in entries],
+        "notes": [*drawing.notes, *drawings.doubts(entries, max(drawing.extent()))],
     }
 
 

@@ -26,7 +26,7 @@ from lammps_jump.runs.folder import default_folder, require_case
 from .children import Children, OutOfDate, PageWork, ServedChild, prepare
 from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing, with_shape
 from .run_pages import MOST_NAME, LivePages, RunPages, StudyView, number_in
-from .server import HERE, Pages, Refused, Reply, answer, asset, page_of
+from .server import HERE, Pages, RefusedRequest, Reply, answer, asset, page_of
 
 LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
 """Seconds after which a look at a text, or a drawing that was dropped, is left."""
@@ -38,7 +38,7 @@ SEVERAL = (
 """Why a case of several starts has no button."""
 
 
-def pages_of(path: Path) -> Opened:
+def pages_of(path: Path) -> OpenedTarget:
     """The pages of a case file, or of the folder of a run or of a study.
 
     Raises
@@ -51,7 +51,7 @@ def pages_of(path: Path) -> Opened:
     return RunAlone(path) if path.is_dir() else CasePages(path)
 
 
-class Opened(Pages):
+class OpenedTarget(Pages):
     """Target that was opened; see `Pages`.
 
     Attributes
@@ -87,7 +87,7 @@ class Opened(Pages):
         return self.children.close()
 
 
-class RunAlone(Opened):
+class RunAlone(OpenedTarget):
     """The page of one run folder."""
 
     start = "run/0/"
@@ -98,7 +98,7 @@ class RunAlone(Opened):
         self.runs.number(folder)
 
 
-class StudyPages(Opened):
+class StudyPages(OpenedTarget):
     """The page of a study: its table, and each of its runs by a click."""
 
     def __init__(self, folder: Path):
@@ -112,7 +112,7 @@ class StudyPages(Opened):
         return answer(self.study.state()) if path == "state" else super().get(path, query)
 
 
-class CasePages(Opened):
+class CasePages(OpenedTarget):
     """The page of a case file: its text, what `look` finds in it, and its run."""
 
     def __init__(self, path: Path):
@@ -127,10 +127,10 @@ class CasePages(Opened):
         if path == "":
             return page_of(HERE / "case.html")
         if path == "file":
-            found = self.file.read()
-            same = found.key == query.get("key")
-            told = {"name": str(self.file.shown), "key": found.key, "text": None if same else found.text}
-            return answer({**told, "run": self._plan(found.text), "largest": MOST_DRAWN})
+            page = self.file.read()
+            same = page.key == query.get("key")
+            page_data = {"name": str(self.file.shown), "key": page.key, "text": None if same else page.text}
+            return answer({**page_data, "run": self._plan(page.text), "largest": MOST_DRAWN})
         return super().get(path, query)
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
@@ -159,7 +159,7 @@ class CasePages(Opened):
     def _look(self, asked: Mapping[str, Any]) -> Reply:
         """Look at a text; a look at an older text of the same page is left."""
         text, wide, page = text_of(asked, "text"), number_of(asked, "wide"), str(asked.get("page", ""))[:MOST_NAME]
-        file = self.file.shown.absolute()  # the process that looks may stand elsewhere
+        file = self.file.shown.absolute()  # the process that looks may be in another folder
         remedy = f"`{typed('check', self.file.shown)}` has no such limit"
         try:
             return answer(self._bounded.run(PageWork(partial(look, text, file, wide), LOOK_SECONDS, remedy, page)))
@@ -170,10 +170,10 @@ class CasePages(Opened):
         """The text of a page with a shape that was drawn in its picture; nothing is written."""
         text, what, points = text_of(asked, "text"), text_of(asked, "what"), asked.get("points")
         if what not in drawings.DRAWN:
-            raise Refused(400, "what is no shape")
+            raise RefusedRequest(400, "what is no shape")
         two = isinstance(points, list) and [len(one) if isinstance(one, list) else 0 for one in points] == [2, 2]
         if not two:
-            raise Refused(400, "points are no two points")
+            raise RefusedRequest(400, "points are no two points")
         ends = [(number_in(x, "points"), number_in(y, "points")) for x, y in points]  # type: ignore[union-attr]
         call = partial(with_shape, text, self.file.shown.absolute(), what, ends)
         return answer(self._bounded.run(PageWork(call, LOOK_SECONDS, "write it into the text")))
@@ -190,17 +190,17 @@ class CasePages(Opened):
         try:
             data = b64decode(text_of(asked, "data"), validate=True)
         except ValueError:
-            raise Refused(400, "data is not in base64") from None
+            raise RefusedRequest(400, "data is not in base64") from None
         dropped = DroppedFile(Path(name).name, data, scale.strip() or None)
         remedy = f"`{typed('import', Path(name), '--into', self.file.shown)}` has no such limit"
         try:
-            found = self._bounded.run(
+            drawing = self._bounded.run(
                 PageWork(partial(with_drawing, text, self.file.shown.absolute(), dropped), DRAWING_SECONDS, remedy)
             )
         except ScaleError as error:
             return answer({"refused": str(error), "scale": True}, 422)
         given = ["--scale", scale.strip()] if scale.strip() else []
-        return answer({**found, "command": typed("import", Path(name), *given, "--into", self.file.shown)})
+        return answer({**drawing, "command": typed("import", Path(name), *given, "--into", self.file.shown)})
 
     def _plan(self, text: str) -> dict[str, Any] | None:
         """Plan of the button: the command, and the number of a run of this case that is there already."""
@@ -215,10 +215,10 @@ class CasePages(Opened):
 
     def _run(self, key: str) -> Reply:
         """Run the case of the file with this key; the number of the run."""
-        found = self.file.read()
-        if found.key != key:
+        page = self.file.read()
+        if page.key != key:
             raise SetupError(f"{self.file.shown}: was changed meanwhile; look at it, and run it then")
-        case, folder, there = self._folder(found.text)
+        case, folder, there = self._folder(page.text)
         if case.fields.run.members:
             raise SetupError(SEVERAL)
         if not there:
@@ -274,11 +274,11 @@ def text_of(asked: Mapping[str, Any], name: str) -> str:
     """
     value = asked.get(name)
     if not isinstance(value, str) or "\x00" in value:
-        raise Refused(400, f"{name} is no text")
+        raise RefusedRequest(400, f"{name} is no text")
     try:
         value.encode()
     except UnicodeEncodeError:
-        raise Refused(400, f"{name} holds half of a letter") from None
+        raise RefusedRequest(400, f"{name} holds half of a letter") from None
     return value.replace("\r\n", "\n")
 
 
@@ -286,7 +286,7 @@ def number_of(asked: Mapping[str, Any], name: str) -> int:
     """A whole number that a page sends; Refused for something else."""
     value = asked.get(name)
     if not isinstance(value, int) or isinstance(value, bool):
-        raise Refused(400, f"{name} is no whole number")
+        raise RefusedRequest(400, f"{name} is no whole number")
     return value
 
 

@@ -1,5 +1,5 @@
 "use strict";
-// The drawing, and the dots on it that can be dragged. A dot knows where its numbers stand in the text of the drawing.
+// The drawing, and the dots on it that can be dragged. A dot knows where its numbers are in the text of the drawing.
 
 // Pixels between the ends of what is drawn, at least.
 const LEAST_DRAWN = 5;
@@ -14,7 +14,7 @@ class Places {
     for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, (event) => this.drop(event));
   }
 
-  // Show a drawing of a text, as the server found it.
+  // Show a drawing of a text, as the server made it.
   show(found, text) {
     const focused = this.box.contains(document.activeElement);
     Object.assign(this, { found, text });

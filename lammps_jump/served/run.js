@@ -21,7 +21,7 @@ async function refresh() {
   return data.more ? refresh() : undefined;
 }
 
-// Curves take longer than frames, and are asked for beside them where there are new frames.
+// Curves take longer than frames, and are requested separately where there are new frames.
 async function refreshCurves() {
   const now = growing ? `${shownOf} ${growing.times.length} ${status}` : "";
   if (now === curvesOf) return;

@@ -24,8 +24,8 @@ from lammps_jump.units import shown
 
 from .children import Bounded, Children, OutOfDate, PageWork
 from .look import flow_of_run
-from .server import FOREIGN, KINDS, LIVE, Refused, Reply, answer, run_page
-from .watched import Watched
+from .server import FOREIGN, KINDS, LIVE, RefusedRequest, Reply, answer, run_page
+from .watched import WatchedRun
 
 REPORT = "report.html"
 MOST_FLOWS = 4
@@ -37,7 +37,7 @@ MOST_NAME = 40
 
 
 class LivePages:
-    """Live pages that pages have asked for, each at an address of its own; the newest few are kept.
+    """Live pages that pages have requested, each at an address of its own; the newest few are kept.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class LivePages:
         self._pages: dict[str, str] = {}
 
     def make(self, call: partial[str], page: str, remedy: str) -> Reply:
-        """The address of the page of a call; one that the same page asked for before is left."""
+        """The address of the page of a call; one that the same page requested before is left."""
         try:
             made = self.bounded.run(PageWork(call, FLOW_SECONDS, remedy, f"{page[:MOST_NAME]} flow"))
         except OutOfDate:
@@ -61,8 +61,8 @@ class LivePages:
 
     def with_token(self, token: str) -> Reply | None:
         """The page with this token; None where there is none."""
-        found = [text for own, text in self._pages.items() if hmac.compare_digest(own.encode(), token.encode())]
-        return Reply(found[0].encode(), KINDS[".html"], policy=LIVE) if found else None
+        pages = [text for own, text in self._pages.items() if hmac.compare_digest(own.encode(), token.encode())]
+        return Reply(pages[0].encode(), KINDS[".html"], policy=LIVE) if pages else None
 
 
 class RunPages:
@@ -70,7 +70,7 @@ class RunPages:
 
     def __init__(self, children: Children, live: LivePages):
         self.children, self._live = children, live
-        self._runs: list[Watched] = []
+        self._runs: list[WatchedRun] = []
         self._reports: dict[Path, str] = {}
         self._lock = Lock()
 
@@ -79,12 +79,12 @@ class RunPages:
         with self._lock:
             known = [one.folder for one in self._runs]
             if folder not in known:
-                self._runs.append(Watched(folder))
+                self._runs.append(WatchedRun(folder))
                 return len(known)
             return known.index(folder)
 
     def expect(self, folder: Path, case: ReadCase) -> None:
-        """Show the start of a case whose run has just been asked for."""
+        """Shows the start of a case whose run has just been requested."""
         self._runs[self.number(folder)].expect(case)
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
@@ -101,7 +101,7 @@ class RunPages:
         if part == "frames":
             first = query.get("first", "")
             if not (first.isascii() and first.isdigit() and len(first) < 9):
-                raise Refused(400, "first is no number")
+                raise RefusedRequest(400, "first is no number")
             return Reply(run.frames(int(first), query.get("of", "")), "application/octet-stream")
         if part == "report":
             return self._to_report(run.folder)
@@ -129,30 +129,30 @@ class RunPages:
             )
         return None
 
-    def _found(self, path: str) -> tuple[Watched | None, str]:
+    def _found(self, path: str) -> tuple[WatchedRun | None, str]:
         """The run that a path begins with, and what the rest of the path wants of it."""
         number, slash, part = path.partition("/")
         known = bool(slash) and number.isascii() and number.isdigit() and len(number) < 7
         return (self._runs[int(number)] if known and int(number) < len(self._runs) else None), part
 
-    def _state(self, run: Watched) -> dict[str, Any]:
+    def _state(self, run: WatchedRun) -> dict[str, Any]:
         """State of a run for its page."""
         child = self.children.of(run.folder)
-        found = run.update()
+        state = run.update()
         own = child is not None and child.status is None
-        found |= {"folder": str(run.folder), "own": own, "log": child.lines if child else []}
-        if own and found["status"] != "running":
-            if found["status"] in ("none", "interrupted"):
-                found |= {"status": "starting", "reached": ""}
-        if child is not None and child.status and found["status"] == "none":
-            found |= {"status": "refused", "message": "\n".join(child.lines)}
-        found["command"] = child.command if child else typed("run", run.folder)
-        found["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
-        found["go_on"] = typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
-        found["report"] = typed("show", run.folder) if _has_report(run.folder) else None
-        ended = found["status"] in ("complete", "interrupted", "unchecked")
-        found["differently"] = typed("live", run.folder, "--from", "TIME") if ended else None
-        return found
+        state |= {"folder": str(run.folder), "own": own, "log": child.lines if child else []}
+        if own and state["status"] != "running":
+            if state["status"] in ("none", "interrupted"):
+                state |= {"status": "starting", "reached": ""}
+        if child is not None and child.status and state["status"] == "none":
+            state |= {"status": "refused", "message": "\n".join(child.lines)}
+        state["command"] = child.command if child else typed("run", run.folder)
+        state["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
+        state["go_on"] = typed("run", run.folder, "--resume") if state["status"] == "interrupted" else None
+        state["report"] = typed("show", run.folder) if _has_report(run.folder) else None
+        ended = state["status"] in ("complete", "interrupted", "unchecked")
+        state["differently"] = typed("live", run.folder, "--from", "TIME") if ended else None
+        return state
 
     def _to_report(self, folder: Path) -> Reply | None:
         """Leads to an address with a token of its own: a report reads its address, and may send it anywhere."""
@@ -166,16 +166,16 @@ class RunPages:
         """The report with this token; None where there is none."""
         with self._lock:
             known = [(folder, own) for folder, own in self._reports.items()]
-        found = [folder for folder, own in known if hmac.compare_digest(own.encode(), token.encode())]
-        if not found or not _has_report(found[0]):
+        paths = [folder for folder, own in known if hmac.compare_digest(own.encode(), token.encode())]
+        if not paths or not _has_report(paths[0]):
             return None
-        return Reply(read_file(found[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=LIVE)
+        return Reply(read_file(paths[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=LIVE)
 
 
 def number_in(value: object, name: str) -> float:
     """A finite number that a page sends as `name`; Refused for something else."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < inf:
-        raise Refused(400, f"{name}: is no number")
+        raise RefusedRequest(400, f"{name}: is no number")
     return float(value)
 
 
@@ -243,8 +243,8 @@ class StudyView:
 
 def _axis(name: str, values: Sequence[Any]) -> dict[str, Any]:
     """An axis with its values, and as the slider of a static page shows them."""
-    told = [shown(value, axis_unit(name)) for value in values]
-    return {"name": axis_heading(name), "values": list(values), "label": axis_words(name), "shown": told}
+    labels = [shown(value, axis_unit(name)) for value in values]
+    return {"name": axis_heading(name), "values": list(values), "label": axis_words(name), "shown": labels}
 
 
 def _over(states: list[MemberState]) -> list[str]:

@@ -87,7 +87,7 @@ class Reply(NamedTuple):
 
 
 class Pages(Protocol):
-    """Pages that are served, by the part of the address behind the token.
+    """Pages that are served, by the part of the address after the token.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Pages(Protocol):
         """Content at an address with a token of its own, which is good for nothing else."""
 
 
-class Refused(Exception):
+class RefusedRequest(Exception):
     """A request that gets no answer but a status and a reason."""
 
     def __init__(self, status: int, reason: str):
@@ -210,7 +210,9 @@ class Server(ThreadingHTTPServer):
         with self._lock:
             self._unknown.pop(request, None)
             if len(self._known) >= MOST_KNOWN:
-                raise Refused(503, f"{MOST_KNOWN} requests are answered at once; close other pages, or wait a moment")
+                raise RefusedRequest(
+                    503, f"{MOST_KNOWN} requests are answered at once; close other pages, or wait a moment"
+                )
             self._known.add(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -265,16 +267,16 @@ class Handler(BaseHTTPRequestHandler):
         """Nothing: the terminal is for what a person has to know."""
 
     def _answer(self, make: Any) -> None:
-        self.close_connection = True  # what is sent behind a request is not read, and no line outlives the server
+        self.close_connection = True  # what is sent after a request is not read, and no line outlives the server
         try:
             reply = self._reply(make)
             if reply is None:
-                raise Refused(404, "there is no such page")
-        except Refused as refused:
+                raise RefusedRequest(404, "there is no such page")
+        except RefusedRequest as refused:
             reply = answer({"refused": str(refused)}, refused.status)
         except JumpError as error:
             reply = answer({"refused": str(error)}, 422)
-        except Exception as error:  # a defect of this program: it is told here, and the next request is answered
+        except Exception as error:  # a defect of this program: it is reported, and the next request is answered
             log.exception(f"error: {self.command} {self.path.partition('?')[0].rpartition('/')[2]}")
             reply = answer({"refused": f"{BROKEN} ({type(error).__name__}: {reason(error)})"}, 500)
         with suppress(OSError):  # the browser has gone
@@ -286,14 +288,14 @@ class Handler(BaseHTTPRequestHandler):
         if make == self._get and not path and (reply := self.server.redeem(token)) is not None:
             return reply
         if self.headers.get("Sec-Fetch-Site", "same-origin") not in ("same-origin", "none"):
-            raise Refused(403, "another page asks")
+            raise RefusedRequest(403, "another page asks")
         if hmac.compare_digest(token.encode(), self.server.token.encode()):
             self.server.know(self.connection)
             self._until.end = time.monotonic() + BODY_SECONDS
             return make(path, query)
         reply = self.server.pages.alone(token) if make == self._get and not path else None
         if reply is None:
-            raise Refused(403, "open the address that lammps-jump printed; its random part is missing or wrong")
+            raise RefusedRequest(403, "open the address that lammps-jump printed; its random part is missing or wrong")
         self.server.know(self.connection)
         return reply
 
@@ -319,7 +321,7 @@ class Handler(BaseHTTPRequestHandler):
             left -= got
 
     def _asked(self) -> tuple[str, str, Mapping[str, str]]:
-        """Token, path behind it, and query.
+        """Token, path after it, and query.
 
         Raises
         ------
@@ -328,16 +330,16 @@ class Handler(BaseHTTPRequestHandler):
         """
         hosts = self.headers.get_all("Host") or []
         if len(hosts) != 1 or not NAMES.fullmatch(hosts[0]):
-            raise Refused(421, "this server is for this machine alone")
+            raise RefusedRequest(421, "this server is for this machine alone")
         sent = self.headers.get_all("Origin") or []
         if len(sent) > 1 or (sent and sent[0] != f"http://{hosts[0]}"):
-            raise Refused(403, "another page asks")
+            raise RefusedRequest(403, "another page asks")
         path, _, query = self.path.partition("?")
         root, token, rest = (*path.split("/", 2), "", "")[:3]
         try:
             given = parse_qs(query[:200], max_num_fields=8)
         except ValueError:
-            raise Refused(400, "too many fields") from None
+            raise RefusedRequest(400, "too many fields") from None
         return "" if root else token, rest, {name: values[-1] for name, values in given.items()}
 
     def _get(self, path: str, query: Mapping[str, str]) -> Reply | None:
@@ -345,21 +347,21 @@ class Handler(BaseHTTPRequestHandler):
 
     def _post(self, path: str, query: Mapping[str, str]) -> Reply | None:
         if not self.headers.get("Origin"):
-            raise Refused(403, "the browser does not tell which page asks")
+            raise RefusedRequest(403, "the browser does not tell which page asks")
         if self.headers.get_content_type() != "application/json" or self.headers.get("Transfer-Encoding"):
-            raise Refused(415, "only JSON of a known length is taken")
+            raise RefusedRequest(415, "only JSON of a known length is taken")
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit() and len(length) < 20 and int(length) <= MOST_ASKED):
-            raise Refused(413, f"at most {MOST_ASKED // 1_000_000} MB are taken")
+            raise RefusedRequest(413, f"at most {MOST_ASKED // 1_000_000} MB are taken")
         try:
             body = self.rfile.read(int(length))
         except TimeoutError:
-            raise Refused(408, f"the request was not there within {BODY_SECONDS:.0f} s; try again") from None
-        with foreign(partial(Refused, 400), "this is no JSON"):
-            asked = json.loads(body)
-        if not isinstance(asked, dict):
-            raise Refused(400, "a JSON object is expected")
-        return self.server.pages.post(path, asked)
+            raise RefusedRequest(408, f"the request was not there within {BODY_SECONDS:.0f} s; try again") from None
+        with foreign(partial(RefusedRequest, 400), "this is no JSON"):
+            content = json.loads(body)
+        if not isinstance(content, dict):
+            raise RefusedRequest(400, "a JSON object is expected")
+        return self.server.pages.post(path, content)
 
 
 KINDS = {

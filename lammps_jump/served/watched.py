@@ -95,8 +95,8 @@ class SoFar:
             absent = absent or f"the {self.engine} engine writes forces at its end" if late else "no force yet"
         gathered = Gathered(self.flow, profiles, None, {"energy": history}, records)
         shown: dict[str, Any] = {}
-        if found := waves.analyse(gathered):
-            shown |= waves.figures(found, gathered)
+        if wave_rows := waves.analyse(gathered):
+            shown |= waves.figures(wave_rows, gathered)
         if records and (pushed := forces.analyse(gathered)):
             shown["forces"] = forces.history_chart(pushed)
             absent = "" if shown["forces"] else "nothing has touched them so far"
@@ -125,7 +125,7 @@ LONGEST = 0.4
 MOST_SENT = 6_000_000
 """Bytes of frames in an answer, about."""
 SHADES = 64
-"""Radii that are told apart."""
+"""Radii that are distinguished."""
 
 
 class WatchedState(NamedTuple):
@@ -169,7 +169,7 @@ class Times(NamedTuple):
 
 
 def reached(state: WatchedState, times: Times, *, whole: bool) -> str:
-    """Text on how far a run has come, behind the words of its status; empty where nothing is known.
+    """Text on how far a run has come, after the words of its status; empty where nothing is known.
 
     Parameters
     ----------
@@ -178,19 +178,19 @@ def reached(state: WatchedState, times: Times, *, whole: bool) -> str:
     whole : bool
         All frames that are there have been read.
     """
-    read, ended, asked = times
-    of = f"of {asked:zg} s"
+    read, ended, duration = times
+    of = f"of {duration:zg} s"
     if state.status not in ("complete", "unchecked", "interrupted", "failed"):
         return "" if read is None else f"{read:z.2f} {of}"
     last = read if ended is None else ended
-    behind = ""
+    after = ""
     if not whole and read is not None and last is not None and read < last:
-        behind = f"; frames read up to {read:z.2f} of {last:z.2f} s"
+        after = f"; frames read up to {read:z.2f} of {last:z.2f} s"
     if state.steady or state.status in ("interrupted", "failed"):
         at = "" if last is None else f" at {last:z.2f} s"
         why = " ".join(shortened(state.steady or state.message).split()).rstrip(".")
-        return f"ended{at}, before its {asked:zg} s{f': {why}' if why else ''}{behind}"
-    return "" if last is None else f"{last:z.2f} s{behind}"
+        return f"ended{at}, before its {duration:zg} s{f': {why}' if why else ''}{after}"
+    return "" if last is None else f"{last:z.2f} s{after}"
 
 
 class _Schedule(FrameCheck):
@@ -207,7 +207,7 @@ class _Schedule(FrameCheck):
             raise DumpError(f"{self.path}: {self.first_trouble}")
 
 
-class Watched:
+class WatchedRun:
     """One run folder; it need not be there yet."""
 
     def __init__(self, folder: Path):
@@ -297,34 +297,34 @@ class Watched:
         """
         with self._lock:
             state = self.state
-            found: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key, "trouble": ""}
+            content: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key, "trouble": ""}
             if self._is_expected and self._tail.path.exists():
                 self._forget()
             if not self._open() or self._case is None:
-                return found
+                return content
             if self._tail.was_cut:
                 self._forget()
                 self._open()
             self._take_in(state)
-            times, asked = self._packer.times, self._case.fields
-            found |= {"of": self._key, "frames": len(times), "more": not (self._tail.at_end or self._trouble)}
-            found |= {"name": asked.name, "description": asked.description, "duration": asked.run.duration}
-            found |= {"seen": self._frames, "time": times[-1] if times else None, "trouble": self._trouble}
+            times, case = self._packer.times, self._case.fields
+            content |= {"of": self._key, "frames": len(times), "more": not (self._tail.at_end or self._trouble)}
+            content |= {"name": case.name, "description": case.description, "duration": case.run.duration}
+            content |= {"seen": self._frames, "time": times[-1] if times else None, "trouble": self._trouble}
             if self._trouble and state.status in ("complete", "unchecked"):
-                found |= {"status": "damaged", "message": self._trouble}
+                content |= {"status": "damaged", "message": self._trouble}
             ended = None if state.steps is None else self._flow.scene.time(state.steps)
-            found["reached"] = reached(state, Times(found["time"], ended, asked.run.duration), whole=self._is_read)
+            content["reached"] = reached(state, Times(content["time"], ended, case.run.duration), whole=self._is_read)
             if any(len(rows) for _, rows in self._packer.kept):
-                found["about"] = {**about_run(self._packer, self.folder), **self._scale}
-            return found
+                content["about"] = {**about_run(self._packer, self.folder), **self._scale}
+            return content
 
     def curves(self) -> list[dict[str, Any]]:
         """Curves of what has been read, as `SoFar.curves`; frames are answered while they are made."""
         with self._drawing:
             with self._lock:
-                found = self._so_far.gathered() if self._case is not None else None
-                so_far, live = self._so_far if found else None, self.state.goes_on
-            return so_far.curves(found, live=live) if found and so_far else []
+                gathered = self._so_far.gathered() if self._case is not None else None
+                so_far, live = self._so_far if gathered else None, self.state.goes_on
+            return so_far.curves(gathered, live=live) if gathered and so_far else []
 
     def _take_in(self, state: WatchedState) -> None:
         """Read frames that are new, for a while, and show them to the packer and to what makes curves."""
@@ -340,7 +340,7 @@ class Watched:
                 self._trouble = self._missing()
         except (JumpError, OSError) as error:
             self._trouble = str(error)
-        except Exception as error:  # the server tells it once; the frames behind it are not looked at either
+        except Exception as error:  # the server reports it once; the frames after it are not looked at either
             self._trouble = f"{self._tail.path}: a frame cannot be shown ({reason(error)})"
             raise
 
@@ -348,8 +348,8 @@ class Watched:
         """Lack of a complete run against its schedule, in words; empty for nothing."""
         with suppress(JumpError):
             stored = read_summary(self.folder)
-            told = self._check.result(stored["steps"], stored["discs"]["present"] + stored["discs"].get("fixed", 0))
-            return f"{self._tail.path}: {'; '.join(told)}" if told else ""
+            troubles = self._check.result(stored["steps"], stored["discs"]["present"] + stored["discs"].get("fixed", 0))
+            return f"{self._tail.path}: {'; '.join(troubles)}" if troubles else ""
         return ""
 
     @property
@@ -399,7 +399,7 @@ class Watched:
             return b"".join(parts)
 
 
-def watched(folder: Path) -> Watched:
+def watched(folder: Path) -> WatchedRun:
     """A run folder that is there.
 
     Raises
@@ -408,4 +408,4 @@ def watched(folder: Path) -> Watched:
         It holds no run.
     """
     require_case(folder)
-    return Watched(folder)
+    return WatchedRun(folder)

@@ -67,7 +67,7 @@ class Axes(NamedTuple):
 
     names: tuple[str, ...] = ("f", "touch", "kernel", "correction", "n", "skin")
     fractions: tuple[float, ...] = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
-    kernels: tuple[str, ...] = MEASURED_KERNELS  # the twin takes hours: asked for by name
+    kernels: tuple[str, ...] = MEASURED_KERNELS  # the twin takes hours: only on request, by name
     diameters: tuple[float, ...] = ()
     members: int = 5
     penetrations: tuple[float, ...] = (5.0, 10.0, 20.0, 40.0)
@@ -176,18 +176,20 @@ def make_settings(axes: Axes, restitution: float) -> list[StudySetting]:
     if "touch" in names and quickest != "stock":
         families.append((quickest, "smooth"))
     steps = list(axes.fractions) if "f" in names else [BASE]
-    found = [StudySetting(kernel, step, touch) for kernel, touch in families for step in steps]
+    study_settings = [StudySetting(kernel, step, touch) for kernel, touch in families for step in steps]
     if "correction" in names and restitution < 1:
-        found += [StudySetting(first, step, correction=False) for step in steps]
+        study_settings += [StudySetting(first, step, correction=False) for step in steps]
     if "n" in names:
-        found += [StudySetting(quickest, step, penetration=n) for n in axes.penetrations for step in (BASE, 2 * BASE)]
+        study_settings += [
+            StudySetting(quickest, step, penetration=n) for n in axes.penetrations for step in (BASE, 2 * BASE)
+        ]
     if "skin" in names:
-        found += [StudySetting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
+        study_settings += [StudySetting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
     if "diameter" in names:
-        found += [StudySetting(quickest, BASE, diameter=d) for d in axes.diameters]
+        study_settings += [StudySetting(quickest, BASE, diameter=d) for d in axes.diameters]
     if "ranks" in names:
-        found += [StudySetting(first, BASE), StudySetting(first, BASE, ranks=2)]
-    return list(dict.fromkeys(setting for setting in found if stable(setting, restitution)))
+        study_settings += [StudySetting(first, BASE), StudySetting(first, BASE, ranks=2)]
+    return list(dict.fromkeys(setting for setting in study_settings if stable(setting, restitution)))
 
 
 def reference_setting(fraction: float, kernels: Iterable[str]) -> StudySetting:
@@ -209,7 +211,7 @@ Measures = dict[str, Value]
 
 
 class QuantityError(NamedTuple):
-    """Error of one quantity; None where it cannot be told.
+    """Error of one quantity; None where it is unknown.
 
     Attributes
     ----------
@@ -263,35 +265,35 @@ CURVE_POINTS = 20
 
 def measure(run: Run) -> Results:
     """Return what a run took, and the numbers and curves that its case asks for."""
-    found = run.summary
+    summary = run.summary
     taken = {
-        "seconds": found["cpu_seconds"],
-        "wall_seconds": found["wall_seconds"]["run"],
-        "disc_steps": found["disc_steps"],
-        "breakdown": found["breakdown_seconds"] or {},
+        "seconds": summary["cpu_seconds"],
+        "wall_seconds": summary["wall_seconds"]["run"],
+        "disc_steps": summary["disc_steps"],
+        "breakdown": summary["breakdown_seconds"] or {},
     }
-    return {**taken, "measures": measures_of(found, run.folder)}
+    return {**taken, "measures": measures_of(summary, run.folder)}
 
 
 def measures_of(summary: Mapping[str, Any], folder: Path) -> Measures:
     """Return the numbers and curves of a run that is complete."""
-    found: Measures = {}
+    by_measure: Measures = {}
     results = results_in(folder, summary)
     if energy := summary.get("energy"):
-        found["energy deviation"] = energy["max_deviation"]
+        by_measure["energy deviation"] = energy["max_deviation"]
     if summary.get("front"):
         table = results.table("front")
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * summary["simulated_time"]
-        found["front position"] = np.interp(times, table.numbers("time"), table.numbers("quantile")).tolist()
-        found["column height"] = np.interp(times, table.numbers("time"), table.numbers("height")).tolist()
+        by_measure["front position"] = np.interp(times, table.numbers("time"), table.numbers("quantile")).tolist()
+        by_measure["column height"] = np.interp(times, table.numbers("time"), table.numbers("height")).tolist()
     if jump := summary.get("jump"):
         depth = results.dataset()["mass_depth_mean"].values
-        found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
-        found |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
+        by_measure["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
+        by_measure |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
         step = float(np.median(np.diff(force.time)))
-        found[f"impulse {name}"] = float(np.hypot(force.fx.sum(), force.fy.sum())) * step
-    return found
+        by_measure[f"impulse {name}"] = float(np.hypot(force.fx.sum(), force.fy.sum())) * step
+    return by_measure
 
 
 def names_of(runs: Iterable[Measures]) -> list[str]:
@@ -578,7 +580,7 @@ def page(data: Mapping[str, Any]) -> list[str]:
 
 
 def short_table(data: Mapping[str, Any]) -> str:
-    """Return the cheapest setting for 5 % and 1 % of each quantity, beside stock LAMMPS at f = 0.05."""
+    """Returns the cheapest setting for 5 % and 1 % of each quantity, next to stock LAMMPS at f = 0.05."""
     rows = {row["label"]: row for row in data["rows"]}
     base, targets = rows.get("stock f=0.05"), {"0.05": "5 %", "0.01": "1 %"}
     lines = []

@@ -117,7 +117,7 @@ class Part(Variation):
 
 
 def numbers_of_run(run: Run, paths: Sequence[str], looks: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Numbers of a run by their paths in ``summary.json``, what they are by other looks at it, and what it found.
+    """Numbers of a run by their paths in ``summary.json``, their values by other looks at it, and its results.
 
     Parameters
     ----------
@@ -135,10 +135,10 @@ def numbers_of_run(run: Run, paths: Sequence[str], looks: Mapping[str, Mapping[s
     seen = {}
     for name, look in looks.items():
         case = run.case.replace({path: value for path, value in look.items() if path != STRETCH})
-        found: dict[str, Any] = {}
+        numbers_found: dict[str, Any] = {}
         for part in dict.fromkeys(path.partition(".")[0] for path in paths):
-            found |= looked_at(case, run.folder, part, float(look.get(STRETCH, 1.0)))
-        seen[name] = {path: number_at(found, path) for path in paths}
+            numbers_found |= looked_at(case, run.folder, part, float(look.get(STRETCH, 1.0)))
+        seen[name] = {path: number_at(numbers_found, path) for path in paths}
     return {
         "outcome": verdict or "complete",
         "seconds": run.summary.get("cpu_seconds", 0.0),
@@ -309,8 +309,8 @@ def _sides(part: Part) -> Iterator[tuple[str, Mapping[str, object]]]:
 
 def values_of(measured: Sequence[Mapping[str, Any]], path: str, look: str = "") -> np.ndarray:
     """A number of each start, or what it is by a look; NaN where there is none."""
-    found = [one.get("looks", {}).get(look, {}) if look else one.get("numbers", {}) for one in measured]
-    return np.array([nan if one.get(path) is None else one[path] for one in found], float)
+    values = [one.get("looks", {}).get(look, {}) if look else one.get("numbers", {}) for one in measured]
+    return np.array([nan if one.get(path) is None else one[path] for one in values], float)
 
 
 def spread_of(low: np.ndarray, high: np.ndarray, *, paired: bool) -> dict[str, float]:
@@ -407,7 +407,7 @@ def _row(budget: PlannedBudget, part: Part, found: Found) -> Results:
 
 
 def _joint_of(budget: PlannedBudget, found: Found, variance: float, error: float) -> Results | None:
-    """Scatter of the joint draws beside that of the parts, and how many standard errors their variances are apart."""
+    """Scatter of the joint draws and that of the parts, and how many standard errors their variances are apart."""
     draws = [one for name, ones in found.items() if name.startswith("joint ") for one in ones]
     values = values_of(draws, budget.of.path, "joint")
     values = values[np.isfinite(values)]

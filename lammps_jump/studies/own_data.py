@@ -75,14 +75,14 @@ def starts_of(folder: Path) -> list[Results]:
     if not (folder / RUNS).is_dir():
         return [open_results(folder)]
     require_no_link(folder / RUNS)
-    found = []
+    results = []
     for path in sorted((folder / RUNS).iterdir()):
         require_no_link(path)
         if (path / SUMMARY_FILE).exists() and status_of(path) == "complete":
-            found.append(open_results(path))
-    if not found:
+            results.append(open_results(path))
+    if not results:
         raise CaseError(f"{folder} holds no complete run; name a run folder, or that of the starts of one case")
-    return found
+    return results
 
 
 def distance(curves: Curves, at: np.ndarray, measured: np.ndarray) -> dict[str, Any]:
@@ -148,21 +148,21 @@ def compare_with_data(folder: Path, data: Path, columns: str, out: Path | None =
     (axis, own_axis), *wanted = pairs.items()
     given, places = measured_of(data, pairs), starts_of(folder)
     at = given[own_axis]
-    found, drawn = [], []
+    distances, drawn = [], []
     for name, own in wanted:
         curves = [curve_of(place, axis, name) for place in places]
         if any(len(x) < FEWEST for x, _ in curves):
             raise CaseError(f"{name}: a run has fewer than {FEWEST} values of it")
-        found.append(Distance(name, own, **distance(curves, at, given[own])))
+        distances.append(Distance(name, own, **distance(curves, at, given[own])))
         drawn.append((name, own, curves))
     out = out or Path(f"{folder.absolute().name}_against_{data.stem}")
     marker = Marker("comparison", COMPARED_FILES, {"of": str(folder.absolute())})
     with results_folder(out, marker, "of") as stage:
         save(drawn_of(drawn, axis, given), stage / "compared.png")
-        write_json(stage / "compared.json", [asdict(one) for one in found])
-        write_text(stage / "compared.md", page(found, folder, data))
+        write_json(stage / "compared.json", [asdict(one) for one in distances])
+        write_text(stage / "compared.md", page(distances, folder, data))
         publish(stage, out)
-    return found, out
+    return distances, out
 
 
 def drawn_of(drawn: list[tuple[str, str, Curves]], axis: str, given: Mapping[str, np.ndarray]) -> Figure:
@@ -179,7 +179,7 @@ def drawn_of(drawn: list[tuple[str, str, Curves]], axis: str, given: Mapping[str
     return figure
 
 
-def page(found: list[Distance], folder: Path, data: Path) -> str:
+def page(distances: list[Distance], folder: Path, data: Path) -> str:
     """The distances as a page in Markdown."""
     columns: dict[str, Column] = {
         "run": lambda one: cell(one["column"]),
@@ -191,14 +191,14 @@ def page(found: list[Distance], folder: Path, data: Path) -> str:
         "root mean square:": "{rms:z.3g}",
         "over the measured range:": lambda one: f"{100 * one['rms_over_range']:z.1f} %",
     }
-    starts = found[0].starts
-    told = (
+    starts = distances[0].starts
+    sentence = (
         f"± is the 95 % interval over {starts} starts."
         if starts > 1
         else "One run has no interval: repeat it from other starts."
     )
     head = f"# {visible(folder.absolute().name)} against {visible(data.name)}"
-    return paragraphs(head, markdown(columns, map(asdict, found)), told, "![the curves](compared.png)")
+    return paragraphs(head, markdown(columns, map(asdict, distances)), sentence, "![the curves](compared.png)")
 
 
 def cell(text: str) -> str:

@@ -61,14 +61,14 @@ def held_folder(folder: Path, command: str) -> Iterator[Path]:
 
 
 def _is_of_before(folder: Path, command: str) -> bool:
-    """Tells whether results stand there that a study of this program has written."""
+    """Tells whether results are there that a study of this program has written."""
     for name in study_files(command):
         if name.endswith(".json") and (folder / name).is_file():
             try:
-                found = read_json(folder / name)
+                data = read_json(folder / name)
             except (OSError, ValueError):
                 continue
-            if isinstance(found, dict) and any(isinstance(found.get(key), dict | list) for key in TOLD_BY):
+            if isinstance(data, dict) and any(isinstance(data.get(key), dict | list) for key in TOLD_BY):
                 return True
     return False
 
@@ -79,13 +79,13 @@ def _is_of_before(folder: Path, command: str) -> bool:
 LAW_FILE, STUDY_FILE, MEASURE_FILE = "law.py", "study.py", "measure.py"
 FOLDER = "validation"
 TREE = Path(__file__).parents[2] / FOLDER
-"""In the source tree, beside its ``pyproject.toml``; where the package is installed there is none."""
+"""In the source tree, next to its ``pyproject.toml``; where the package is installed there is none."""
 
 
 def source_of(what: str, file: str, given: Path | None = None) -> Path:
     """Return the folder of laws and studies: the given one, else that of the source tree.
 
-    They are Python that is run, so none is taken from where a person happens to stand.
+    They are Python that is run, so none is taken from the folder in which a person works.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Point:
     dump : bool
         Whether the function reads the dump: a finished run without one is run again.
     judged : bool
-        A run or call that fails is a finding too, ``{FAILED: reason}``, and is kept; else it is told and tried again.
+        A run or call that fails is a finding too, ``{FAILED: reason}``, and is kept; else it is shown and tried again.
     patience : float
         s that one start may take.
     """
@@ -196,7 +196,7 @@ class PointStudy:
         Of its files: ``<name>.json``, ``<name>.md``, pictures ``<name>_*.png``.
     points : sequence of Point
     results : callable
-        ``results(found, stored)``: what stands in its JSON file; `stored` is what stands there already. Pure.
+        ``results(found, stored)``: the content of its JSON file; `stored` is the content so far. Pure.
     page : callable
         ``page(results)``: paragraphs of its page in Markdown. Pure.
     draw : callable
@@ -204,9 +204,9 @@ class PointStudy:
     told : callable
         ``told(point, start, measured)``: a line on a start, counted from 1; an empty one is not shown.
     opening : sequence of str
-        Lines that are told first.
+        Lines that are shown first.
     ending : callable
-        ``ending(results)``: lines that are told last.
+        ``ending(results)``: lines that are shown last.
     timed : bool
         Run one start at a time, and each point once before any again: they are timed.
     """
@@ -260,10 +260,10 @@ def function_of(task: Task) -> Measure:
     """Return the measuring function; CaseError where the folder has none of this name."""
     if not isinstance(task.measure, str):
         return task.measure
-    found: Measure | None = getattr(load_module(task.folder, "measure"), task.measure, None)
-    if found is None:
+    function: Measure | None = getattr(load_module(task.folder, "measure"), task.measure, None)
+    if function is None:
         raise CaseError(f"{task.folder / MEASURE_FILE}: has no function {task.measure}")
-    return found
+    return function
 
 
 def work(task: Task) -> Any:
@@ -291,17 +291,17 @@ def _measured(task: Task, member: Member, function: Measure) -> object:
         there = has_dump(folder)
     if not there:
         run_member(member, task.store, stage in ("done", "failed"), True)
-    found = function(open_run(folder), **task.options)
+    result = function(open_run(folder), **task.options)
     if not task.keep_dump:
         drop_dumps(member, task.store)
-    return found
+    return result
 
 
-# --- the starts of all points as pieces of a store: their keys, the calls that make them, what was found --------------
+# --- the starts of all points as pieces of a store: their keys, the calls that make them, the results ----------------
 
 
-class Piece(NamedTuple):
-    """One start of a point: whose it is, its number from 1, the key of its result, what makes it, the run behind it."""
+class StartJob(NamedTuple):
+    """One start of a point: whose it is, its number from 1, the key of its result, what makes it, the run it is of."""
 
     owner: str
     point: Point
@@ -319,7 +319,7 @@ def pieces_of(
     *,
     fresh: bool = False,
     keep_dumps: bool = False,
-) -> list[Piece]:
+) -> list[StartJob]:
     """Return the pieces of a study. A key holds the run, what measures it, and the text of the folder's modules.
 
     Parameters
@@ -342,7 +342,7 @@ def pieces_of(
         A point that cannot be run, unless it is judged: nothing is run then.
     """
     text = text_of_measures(folder) if folder else ""
-    found = []
+    jobs = []
     for point in points:
         about = {"measure": point.measure_name, "options": plain(point.options), "text": text}
         hashed = short_hash(about)
@@ -351,17 +351,17 @@ def pieces_of(
         except JumpError as error:
             if not point.judged:
                 raise
-            asked = {**about, "changes": plain(point.changes), "refused": str(error)}
-            key = f"{owner} refused {short_hash(asked)}"
+            request = {**about, "changes": plain(point.changes), "refused": str(error)}
+            key = f"{owner} refused {short_hash(request)}"
             refused = partial(failed, str(error))
-            found += [Piece(owner, point, start, f"{key} {start}", refused) for start in range(1, point.starts + 1)]
+            jobs += [StartJob(owner, point, start, f"{key} {start}", refused) for start in range(1, point.starts + 1)]
             continue
         for start, member in enumerate(members, 1):
             key = f"{owner} {hashed}" if member is None else f"{owner} {member.key}-{hashed}"
             place, again = folder or Path(), fresh and not point.dump
             task = Task(place, point.measure, point.options, member, store, point.dump, again, keep_dumps)
-            found.append(Piece(owner, point, start, key, partial(work, task), member))
-    return found
+            jobs.append(StartJob(owner, point, start, key, partial(work, task), member))
+    return jobs
 
 
 def text_of_measures(folder: Path) -> str:
@@ -379,14 +379,14 @@ def members_of(point: Point, folder: Path | None) -> Sequence[Member | None]:
     return plan(case, starts, {"analysis.figures": "none"})
 
 
-def forget(pieces: Iterable[Piece], store: Store, *, fresh: bool = False) -> None:
+def forget(pieces: Iterable[StartJob], store: Store, *, fresh: bool = False) -> None:
     """Take out of a store what failed and is no finding, so that it is tried again; with `fresh` all pieces."""
     for piece in pieces:
         if fresh or (not piece.point.judged and FAILED in store.pieces.get(piece.key, ())):
             store.pieces.pop(piece.key, None)
 
 
-def measure(pieces: Sequence[Piece], store: Store, pool: Pool, watch: Watch) -> None:
+def measure(pieces: Sequence[StartJob], store: Store, pool: Pool, watch: Watch) -> None:
     """Make the pieces that a store lacks, begun in their order; those with the same patience together."""
     for patience in dict.fromkeys(piece.point.patience for piece in pieces):
         some = [piece for piece in pieces if piece.point.patience == patience]
@@ -399,17 +399,17 @@ def lost(outcome: CallOutcome) -> dict[str, str]:
     return failed(f"{outcome.kind}: {outcome.value}")
 
 
-def found_of(pieces: Iterable[Piece], store: Store) -> dict[str, list[Any]]:
+def found_of(pieces: Iterable[StartJob], store: Store) -> dict[str, list[Any]]:
     """Return what was measured at each point, starts in their order; `FAILED` ones of judged points among them."""
-    found: dict[str, list[Any]] = {}
+    by_point: dict[str, list[Any]] = {}
     for piece in pieces:
-        measured, ones = store.pieces[piece.key], found.setdefault(piece.point.name, [])
+        measured, ones = store.pieces[piece.key], by_point.setdefault(piece.point.name, [])
         if piece.point.judged or FAILED not in measured:
             ones.append(measured)
-    return found
+    return by_point
 
 
-def failures_of(pieces: Iterable[Piece], store: Store) -> list[str]:
+def failures_of(pieces: Iterable[StartJob], store: Store) -> list[str]:
     """Return what failed and is no finding, a line each."""
     return [
         f"{piece.point.name}: {measured[FAILED]}"
@@ -421,18 +421,18 @@ def failures_of(pieces: Iterable[Piece], store: Store) -> list[str]:
 # --- A study of points and tables, run: the points that its store lacks, its JSON file, its page and figures ----------
 
 
-class Teller:
+class ProgressLines:
     """Tells a line for each start that is made."""
 
-    def __init__(self, study: PointStudy, pieces: Sequence[Piece], say: Say):
-        self.pieces = {piece.key: piece for piece in reversed(pieces)}  # a run of two points is told of the first
+    def __init__(self, study: PointStudy, pieces: Sequence[StartJob], say: Say):
+        self.pieces = {piece.key: piece for piece in reversed(pieces)}  # a run of two points is reported for the first
         self.study, self.say = study, say
 
     def heard(self, key: str, news: object) -> None:
-        """Nothing is told of a run on its way."""
+        """Nothing is shown of a run on its way."""
 
     def ended(self, key: str, measured: Any) -> None:
-        """Tell what a start has found."""
+        """Shows the result of a start."""
         piece = self.pieces[key]
         lacks = not piece.point.judged and FAILED in measured
         line = measured[FAILED] if lacks else self.study.told(piece.point, piece.start, measured)
@@ -480,18 +480,18 @@ def run_study(
         forget(pieces, store, fresh=fresh)
         with Pool(1 if study.timed else usable_cores()) as pool:
             order = list(by_turns(pieces)) if study.timed else pieces
-            measure(order, store, pool, Teller(study, pieces, say))
+            measure(order, store, pool, ProgressLines(study, pieces, say))
         if failures := failures_of(pieces, store):
             raise RunError(failures[0])
-        found: Results = plain(study.results(found_of(pieces, store), store.data))
-        for line in study.ending(found):
+        summary: Results = plain(study.results(found_of(pieces, store), store.data))
+        for line in study.ending(summary):
             say(line)
-        study.draw(found, folder)
-        text = store.finish(paragraphs(*study.page(found)), **found)
+        study.draw(summary, folder)
+        text = store.finish(paragraphs(*study.page(summary)), **summary)
         return store.data, text
 
 
-def by_turns(pieces: Sequence[Piece]) -> Iterator[Piece]:
+def by_turns(pieces: Sequence[StartJob]) -> Iterator[StartJob]:
     """Yield the pieces start by start, forwards and backwards in turn."""
     for start in range(1, max((piece.start for piece in pieces), default=0) + 1):
         some = [piece for piece in pieces if piece.start == start]
@@ -511,12 +511,12 @@ def study_named(name: str, laws: Path | None = None, **options: Any) -> tuple[Po
     file = f"{name}/{STUDY_FILE}"
     folder = source_of(f"the points of `lammps-jump {name}`", file, laws) / name
     make = getattr(load_module(folder, "study"), "study", None)
-    found = make(**options) if callable(make) else None
-    if not isinstance(found, PointStudy):
+    study = make(**options) if callable(make) else None
+    if not isinstance(study, PointStudy):
         raise CaseError(
             f"{folder / STUDY_FILE}: has no function study that returns a PointStudy; CONTRIBUTING.md has one"
         )
-    return found, folder
+    return study, folder
 
 
 def run_named(

@@ -89,5 +89,5 @@ def run_frames(
 
 def middle(values: Iterable[float | None]) -> float | None:
     """Median of the values that are not None; None where there are none."""
-    found = [value for value in values if value is not None]
-    return float(median(found)) if found else None
+    known = [value for value in values if value is not None]
+    return float(median(known)) if known else None

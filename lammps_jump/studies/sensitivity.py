@@ -33,7 +33,7 @@ from .points import FAILED, Found, Point, PointStudy
 from .runs import middle
 
 NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_over_y2", "length_usbr", "speed")
-"""Of a jump that was found."""
+"""Of a detected jump."""
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = jump.froude(10.0, DEPTH, GRAVITY)
 
@@ -178,14 +178,14 @@ def settled(base: Case, changes: Mapping[str, object]) -> dict[str, object]:
 
 
 def row_of(value: float, starts: Sequence[Mapping[str, Any]]) -> Results:
-    """Return the row of one value: means over the starts that found a jump, with standard errors ``<number>_error``.
+    """Returns the row of one value: means over the starts with a jump, with standard errors ``<number>_error``.
 
     It holds each of `NUMBERS`, ``ratio`` (y2/y1), ``expected`` (that by Bélanger), ``value``, ``verdicts`` (starts by
     verdict), ``seconds`` (median processor time), and ``usbr`` (length of that curve over Bélanger's y2). None: no
     number.
     """
-    found = [one["numbers"] for one in starts if one.get("outcome") == "jump"]
-    table = pd.DataFrame([[one[f"jump.{name}"] for name in NUMBERS] for one in found], columns=NUMBERS, dtype=float)
+    numbers = [one["numbers"] for one in starts if one.get("outcome") == "jump"]
+    table = pd.DataFrame([[one[f"jump.{name}"] for name in NUMBERS] for one in numbers], columns=NUMBERS, dtype=float)
     row: Results = {"value": value, "verdicts": dict(Counter(one.get("outcome", FAILED) for one in starts))}
     row["seconds"] = middle(one.get("seconds", 0.0) for one in starts)
     table["ratio"], table["expected"] = table.y2 / table.y1, table.belanger_y2 / table.y1
@@ -199,7 +199,7 @@ PANELS = (
     ("length_over_y2", "length over y2", "usbr", "USBR curve"),
     ("speed", "speed of the front (m/s)", "", ""),
 )
-"""Panels of the figure: number, title, and the theory beside it with its label."""
+"""Panels of the figure: number, title, and the theory to compare with its label."""
 COLUMNS: dict[str, Column] = {
     "value:": "{value:zg}",
     "found": lambda row: ", ".join(f"{count} {word}" for word, count in row["verdicts"].items()),
@@ -215,18 +215,18 @@ COLUMNS: dict[str, Column] = {
 
 
 def draw_study(study: ParameterStudy, rows: Sequence[Results], path: Path) -> None:
-    """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
+    """Draws three panels with one abscissa; theory for the same (measured) Froude number with each measurement."""
     table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
     none = table.value[table.ratio.isna()]
     with drawing(8.6, 2.9, 1, 3) as (figure, axes):
         axes[2].axhline(0, color="#999999", linewidth=0.8)
         for panel, (name, title, theory_name, label) in zip(axes, PANELS, strict=True):
-            found = table.dropna(subset=name)
-            errors = found[f"{name}_error"].fillna(0.0)
-            panel.errorbar(found.value, found[name], yerr=errors, fmt="o-", color=BLUE, capsize=2, label="discs")
+            known = table.dropna(subset=name)
+            errors = known[f"{name}_error"].fillna(0.0)
+            panel.errorbar(known.value, known[name], yerr=errors, fmt="o-", color=BLUE, capsize=2, label="discs")
             if theory_name:
-                found = found.dropna(subset=theory_name)
-                panel.plot(found.value, found[theory_name], "s--", color=GREY, markerfacecolor="white", label=label)
+                known = known.dropna(subset=theory_name)
+                panel.plot(known.value, known[theory_name], "s--", color=GREY, markerfacecolor="white", label=label)
             panel.set(title=title, xlabel=study.label)
             if study.logarithmic:
                 panel.set_xscale("log")

@@ -30,7 +30,7 @@ from .points import (
     FAILED,
     LAW_FILE,
     Found,
-    Piece,
+    StartJob,
     failures_of,
     forget,
     found_of,
@@ -58,11 +58,11 @@ class Row:
     quantity : str
         With its unit.
     published : float, str or None
-        A number, or words (``rises``); None where no number was found, and then there are no limits.
+        A number, or words (``rises``); None where the source has no number, and then there are no limits.
     kind : str
         Of `KINDS`; empty without a published value.
     source : str
-        Where the published value stands.
+        Where the published value is from.
     ours, interval : float
         Mean over the starts, and half of its 95 % interval (NaN where there is one start), as `mean_of` gives them.
     limits : (float, float) or None
@@ -276,7 +276,7 @@ def summary_text(report: Data) -> str:
 
 
 def write_page(report: Data, path: Path) -> Path:
-    """Write the page; figures are read from beside it."""
+    """Writes the page; figures are read from the same folder."""
     rows = [[name, *cells_of(row)] for name, law in report["laws"].items() for row in law["rows"]]
     made = [f"{name} {version}" for name, version in report["versions"].items()]
     about = (
@@ -306,7 +306,7 @@ def section_of(law: Data, folder: Path) -> Section:
 
 
 def explained(rows: Sequence[Data]) -> list[str]:
-    """Text beside the table: source and reason of the rows, one sentence for those that share them, and why."""
+    """Text next to the table: source and reason of the rows, one sentence for those that share them, and why."""
     alike: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         alike.setdefault((row["source"] if row["published"] is not None else "", row["reason"]), []).append(
@@ -337,9 +337,9 @@ def default_folder(quick: bool) -> Path:
 
 def listing(laws: Path | None = None) -> str:
     """Return names and questions of the laws, a line each."""
-    found = find_laws(laws_folder(laws))
-    wide = max(map(len, found))
-    return "\n".join(f"{name:<{wide}}  {law.question}" for name, law in found.items())
+    listed = find_laws(laws_folder(laws))
+    wide = max(map(len, listed))
+    return "\n".join(f"{name:<{wide}}  {law.question}" for name, law in listed.items())
 
 
 def validate(
@@ -400,7 +400,7 @@ def validate(
 class LawsBoard:
     """Counts what is done, for the line of progress: runs weighed by their processor time."""
 
-    def __init__(self, pieces: Sequence[Piece], store: Store, show: Callable[[SweepProgress], None]):
+    def __init__(self, pieces: Sequence[StartJob], store: Store, show: Callable[[SweepProgress], None]):
         left = {piece.key: piece for piece in pieces if piece.key not in store.pieces}
         self.weights = {key: piece.point.seconds for key, piece in left.items()}
         self.whole = sum(self.weights.values()) or 1.0
@@ -428,15 +428,15 @@ class LawsBoard:
         self.show(self.now)
 
 
-def outcome(law: Law, pieces: Sequence[Piece], store: Store, figure: Path) -> dict[str, Any]:
-    """Return rows, measurements and failures of a law, as they stand in ``validation.json``; draw its figure."""
-    found, failures = found_of(pieces, store), failures_of(pieces, store)
+def outcome(law: Law, pieces: Sequence[StartJob], store: Store, figure: Path) -> dict[str, Any]:
+    """Returns rows, measurements and failures of a law, as they are in ``validation.json``; draws its figure."""
+    by_law, failures = found_of(pieces, store), failures_of(pieces, store)
     rows: list[Row] = []
-    if all(found.values()):
-        rows = list(law.rows(found))
+    if all(by_law.values()):
+        rows = list(law.rows(by_law))
         require_no_link(figure.parent)
         figure.parent.mkdir(parents=True, exist_ok=True)
-        save(law.figure(found), figure)
+        save(law.figure(by_law), figure)
     return {
         "title": law.title,
         "question": law.question,
@@ -444,12 +444,12 @@ def outcome(law: Law, pieces: Sequence[Piece], store: Store, figure: Path) -> di
         "rows": [{**vars(row), "distance": row.distance, "verdict": row.verdict} for row in rows],
         "failures": failures,
         "figure": f"figures/{figure.name}" if rows else None,
-        "table": law.table(found) if rows and law.table else None,
-        "measured": with_keys(found, pieces),
+        "table": law.table(by_law) if rows and law.table else None,
+        "measured": with_keys(by_law, pieces),
     }
 
 
-def with_keys(found: Found, pieces: Sequence[Piece]) -> dict[str, Any]:
+def with_keys(found: Found, pieces: Sequence[StartJob]) -> dict[str, Any]:
     """Return what was measured at each point, with the case and its runs."""
     about: dict[str, Any] = {}
     for piece in pieces:
@@ -462,10 +462,10 @@ def with_keys(found: Found, pieces: Sequence[Piece]) -> dict[str, Any]:
 def commit(folder: Path) -> str | None:
     """Return the commit of the source tree that holds a folder; None where there is none."""
     try:
-        asked = subprocess.run(
+        completed_process = subprocess.run(
             ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=12"],
             capture_output=True, text=True, timeout=20, check=False,
         )  # fmt: skip
     except OSError:
         return None
-    return asked.stdout.strip() or None
+    return completed_process.stdout.strip() or None

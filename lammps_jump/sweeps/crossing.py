@@ -30,7 +30,7 @@ GRID = 4001
 """Places of the range at which the band is looked at."""
 
 
-class Crossed(NamedTuple):
+class CrossingPlace(NamedTuple):
     """Place where a number comes to a value, its 95 % range, and whether it rises there; NaN where it is not known."""
 
     value: float = nan
@@ -125,23 +125,25 @@ class CrossingSearch:
                 place += 1e-4 if place < 0.5 else -1e-4
         return self.room[0] + (self.room[1] - self.room[0]) * place
 
-    def answer(self, tried: Mapping[float, np.ndarray]) -> Crossed:
+    def answer(self, tried: Mapping[float, np.ndarray]) -> CrossingPlace:
         """Place at which the values come to the number, and its range."""
         unit = {x: y for x, y in self._unit(tried).items() if y.size}
         bracket = _bracket(unit)
         if bracket is None:
-            return Crossed()
+            return CrossingPlace()
         if not _scatter(unit):
             root, low, high = _between(unit, bracket), bracket.low, bracket.high
-            return Crossed(self._place(root), self._place(low), self._place(high), bracket.rises)
+            return CrossingPlace(self._place(root), self._place(low), self._place(high), bracket.rises)
         low, high = _window(dict(list(unit.items())[: self._first(unit)]))
         middle, half = 0.5 * (low + high), 0.5 * WIDER * (high - low)
         near = {x: y for x, y in unit.items() if abs(x - middle) <= half + 1e-12}
-        found = _crossed(near, middle) if len(near) > 2 else None
-        found = found or _crossed(unit, middle, straight=True)
-        if found is None:
-            return Crossed()
-        return Crossed(self._place(found.value), self._place(found.low), self._place(found.high), found.rises)
+        crossed = _crossed(near, middle) if len(near) > 2 else None
+        crossed = crossed or _crossed(unit, middle, straight=True)
+        if crossed is None:
+            return CrossingPlace()
+        return CrossingPlace(
+            self._place(crossed.value), self._place(crossed.low), self._place(crossed.high), crossed.rises
+        )
 
     def _place(self, unit: float) -> float:
         return self.room[0] + (self.room[1] - self.room[0]) * unit
@@ -173,7 +175,7 @@ def _bracket(unit: Mapping[float, np.ndarray]) -> Bracketed | None:
 def _halved(unit: Mapping[float, np.ndarray]) -> float:
     """The middle of the bracket, or of the widest gap where there is none."""
     bracket, x = _bracket(unit), np.sort(np.array(list(unit)))
-    if bracket is not None:  # places without a value may stand in it
+    if bracket is not None:  # places without a value may be in it
         x = x[(x >= bracket.low) & (x <= bracket.high)]
     widest = int(np.argmax(np.diff(x)))
     return float(0.5 * (x[widest] + x[widest + 1]))
@@ -186,7 +188,7 @@ def _between(unit: Mapping[float, np.ndarray], bracket: Bracketed) -> float:
 
 
 def _window(unit: Mapping[float, np.ndarray]) -> tuple[float, float]:
-    """Window around the bracket that bisection has found, within the range; all of it where there is none."""
+    """Window around the bracket that results from bisection, within the range; all of it where there is none."""
     bracket = _bracket(unit)
     if bracket is None:
         return 0.0, 1.0
@@ -204,18 +206,18 @@ def _spread_order(count: int) -> np.ndarray:
 def _least_squares(x: np.ndarray, y: np.ndarray, at: np.ndarray, power: int) -> tuple[np.ndarray, np.ndarray, float]:
     middle = x.mean()
     matrix, there = (np.vander(one - middle, power + 1, increasing=True) for one in (x, at))
-    found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
+    solution, *_ = np.linalg.lstsq(matrix, y, rcond=None)
     free = len(x) - power - 1
-    value = there @ found
+    value = there @ solution
     if free < 1:
         return value, np.full(len(at), np.inf), np.inf
-    scatter = float(np.sqrt(np.sum((y - matrix @ found) ** 2) / free))
+    scatter = float(np.sqrt(np.sum((y - matrix @ solution) ** 2) / free))
     cover = np.linalg.pinv(matrix.T @ matrix)
     band = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", there, cover, there), 0.0))
     return value, student(free, 0.975) * scatter * band, scatter
 
 
-def _crossed(unit: Mapping[float, np.ndarray], near: float, *, straight: bool = False) -> Crossed | None:
+def _crossed(unit: Mapping[float, np.ndarray], near: float, *, straight: bool = False) -> CrossingPlace | None:
     """The place by a fit to values at some places, the one next to `near`; None where the fit has none.
 
     Places far from it are left out until the fit holds: until what it misses is no more than the scatter over starts.
@@ -236,7 +238,7 @@ def _crossed(unit: Mapping[float, np.ndarray], near: float, *, straight: bool = 
             low, high = _connected(grid, np.abs(value) <= error, root)
             if len(places) == 2:  # nothing tells how straight it is between them
                 low, high = min(low, *places), max(high, *places)
-            return Crossed(root, max(low - off, 0.0), min(high + off, 1.0), bool(value[k + 1] > value[k]))
+            return CrossingPlace(root, max(low - off, 0.0), min(high + off, 1.0), bool(value[k + 1] > value[k]))
         near = min(max(root, min(places)), max(places))
         places.pop(max(places, key=lambda place: abs(place - near)))
 

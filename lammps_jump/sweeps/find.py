@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Find the value of a number of a case at which a result comes to what is asked: a range, starts, an answer with its ±.
+"""Finds the value of a number of a case at which a result meets a given target: a range, starts, an answer with its ±.
 
 The points are those of a study in the folder ``points``: nothing is run twice, and an interrupted search goes on.
 """
@@ -35,7 +35,7 @@ from lammps_jump.runs.run import Case
 from lammps_jump.runs.summary import read_summary
 from lammps_jump.units import ABSENT, POWERS, Plain, Share, shown, to_si
 
-from .crossing import Crossed, CrossingSearch, all_on_one_side, normal, scatter_of
+from .crossing import CrossingPlace, CrossingSearch, all_on_one_side, normal, scatter_of
 from .members import failure_message, run_members
 from .page import write_study_page
 from .pool import Pool
@@ -64,7 +64,7 @@ SIZES = {"x": "width", "y": "height"}
 """Size of a block along each axis."""
 
 
-class Asked(Strict):
+class FindRequest(Strict):
     """The part ``find`` of a study file."""
 
     vary: dict[str, tuple[Plain, Plain]] = Field(min_length=1, max_length=1)
@@ -80,7 +80,7 @@ class FindFields(Strict):
 
     case: str | dict[str, Any]
     set: dict[str, Any] = Field(default_factory=dict)
-    find: Asked
+    find: FindRequest
 
 
 @dataclass(frozen=True)
@@ -201,8 +201,8 @@ def parse_condition(text: str) -> Condition:
     CaseError
         Another text.
     """
-    if found := UNTIL.fullmatch(text):
-        return Condition(found[1], ">=" if found[2] in (">=", "≥", ">") else "<=", found[3])
+    if match := UNTIL.fullmatch(text):
+        return Condition(match[1], ">=" if match[2] in (">=", "≥", ">") else "<=", match[3])
     if equal := EQUAL.fullmatch(text):
         key, value = (shortened(part) for part in equal.groups())
         raise CaseError(
@@ -216,7 +216,7 @@ def parse_condition(text: str) -> Condition:
 
 
 def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> RootProblem:
-    """Read and check what is to be found.
+    """Reads and checks the target of a search.
 
     Parameters
     ----------
@@ -233,8 +233,8 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
     file, place = _source(source)
     changes = given.pop("set", None)
     file.data["set"] = {**(file.data.get("set") or {}), **(changes or {})}
-    asked = file.data.get("find") or {}
-    file.data["find"] = {**asked, **{name: value for name, value in given.items() if value is not None}}
+    request = file.data.get("find") or {}
+    file.data["find"] = {**request, **{name: value for name, value in given.items() if value is not None}}
     for name, example in (("vary", "contact.friction=0.1:0.9"), ("until", '"jump.y2 >= 2"')):
         if not file.data["find"].get(name):
             raise CaseError(f"{file.file}: no {name}: say what is varied and what is asked, --{name} {example}")
@@ -274,7 +274,7 @@ def _require_fractions(case: Case, path: str, room: tuple[float, float]) -> None
             case.replace({path: between})
         except CaseError as error:
             if "fractional part" not in str(error):
-                return  # what a value between the ends lacks else is told where it is tried
+                return  # what a value between the ends lacks else is reported where it is tried
             raise FieldError(
                 f"find.vary.{path}",
                 "takes whole numbers alone, and a search goes between them; "
@@ -307,7 +307,7 @@ def find(
     progress: Callable[[SweepProgress], None] = lambda progress: None,
     **more: Any,
 ) -> dict[str, Any]:
-    """Find the value of a number at which a result comes to what is asked; what the folder holds is not run again.
+    """Finds the value of a number at which a result meets a given target; what the folder holds is not run again.
 
     Parameters
     ----------
@@ -351,9 +351,9 @@ def find(
     problem.study(problem.room).case.scene()  # what cannot be run is refused before the folder is made
     with run_folder(folder, Marker("find", STUDY_FILES["find"], {})), Pool(min(most, problem.members)) as pool:
         write_text(folder / "study.yaml", problem.to_yaml())
-        found = _searched(problem, folder, pool, progress)
+        searched = _searched(problem, folder, pool, progress)
         pool.close()
-        return write_answer(problem, folder, found)
+        return write_answer(problem, folder, searched)
 
 
 def runs_of_search(folder: Path) -> Path | None:
@@ -362,7 +362,7 @@ def runs_of_search(folder: Path) -> Path | None:
     return folder / POINTS if marker is not None and marker.kind == "find" else None
 
 
-class Searched(NamedTuple):
+class SearchedPlaces(NamedTuple):
     """Values at the places that were tried, in their order, runs without one, and what came in and went over."""
 
     tried: dict[float, np.ndarray]
@@ -376,7 +376,9 @@ def search_for(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> Cross
     return CrossingSearch(number, problem.room, max(3, problem.budget // problem.members))
 
 
-def _searched(problem: RootProblem, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]) -> Searched:
+def _searched(
+    problem: RootProblem, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]
+) -> SearchedPlaces:
     """Run what is needed, place by place."""
     tried: dict[float, np.ndarray] = {}
     failures: list[dict[str, Any]] = []
@@ -387,18 +389,18 @@ def _searched(problem: RootProblem, folder: Path, pool: Pool, progress: Callable
         place = problem.rounded(place)
         if place in tried:
             break  # no more digits
-        found = Sweep(problem.study([*tried, place]), folder / POINTS)
-        with held_study(found.folder):
-            prepare(found)
-            board = Board(found, False, lambda now: progress(replace(now, total=problem.budget)))
-            states = found.states
-            run_members(found.members, states, found.folder, pool, ended=board.ended, news=board.heard)
-        here = [member for member in found.members if member.point == len(tried)]
+        sweep = Sweep(problem.study([*tried, place]), folder / POINTS)
+        with held_study(sweep.folder):
+            prepare(sweep)
+            board = Board(sweep, False, lambda now: progress(replace(now, total=problem.budget)))
+            states = sweep.states
+            run_members(sweep.members, states, sweep.folder, pool, ended=board.ended, news=board.heard)
+        here = [member for member in sweep.members if member.point == len(tried)]
         values = []
         for member in here:
             state = states[member.key]
             done = state.stage == "done"
-            summary = read_summary(member.folder(found.folder)) if done else {}
+            summary = read_summary(member.folder(sweep.folder)) if done else {}
             value = number_at(summary, problem.key)
             waters.append({name: summary.get(name) for name in ("inflow", "overtopping")})
             values.append(value)
@@ -406,13 +408,13 @@ def _searched(problem: RootProblem, folder: Path, pool: Pool, progress: Callable
                 why = _why_absent(summary, problem.key) if done else failure_message(state) or state.stage
                 failures.append({"value": place, "seed": member.seed, "message": why})
         tried[place] = np.array(values)
-    return Searched(tried, failures, waters)
+    return SearchedPlaces(tried, failures, waters)
 
 
 def _why_absent(summary: Mapping[str, Any], key: str) -> str:
-    """Why a run that is complete has no such number: the reason that stands beside it, where one does."""
-    beside = value_at(summary, key.rpartition(".")[0])
-    reason = beside.get("reason") if isinstance(beside, Mapping) else None
+    """Why a run that is complete has no such number: the reason that is given next to it, where there is one."""
+    part = value_at(summary, key.rpartition(".")[0])
+    reason = part.get("reason") if isinstance(part, Mapping) else None
     return f"it has no {key}" + (f": {reason}" if isinstance(reason, str) else "")
 
 
@@ -420,7 +422,7 @@ def _none_has_it(tried: Mapping[float, np.ndarray]) -> bool:
     return not any(np.isfinite(values).any() for values in tried.values())
 
 
-def answer_of(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> Crossed:
+def answer_of(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> CrossingPlace:
     """The answer by what was tried; for a share of the starts its range holds what is not known of their scatter."""
     scatter = scatter_of(tried)
     searches = [search_for(problem, tried)]
@@ -438,7 +440,7 @@ def answer_of(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> Crosse
     return best._replace(low=min([best.low, *lows]), high=max([best.high, *highs]))
 
 
-def write_answer(problem: RootProblem, folder: Path, ran: Searched) -> dict[str, Any]:
+def write_answer(problem: RootProblem, folder: Path, ran: SearchedPlaces) -> dict[str, Any]:
     """Write ``find.json``, the figure and the page; what the first holds."""
     tried, failures = ran.tried, ran.failures
     answer = answer_of(problem, tried)
@@ -465,7 +467,7 @@ def write_answer(problem: RootProblem, folder: Path, ran: Searched) -> dict[str,
     return found
 
 
-def _why_not(problem: RootProblem, ran: Searched, answer: Crossed) -> str | None:
+def _why_not(problem: RootProblem, ran: SearchedPlaces, answer: CrossingPlace) -> str | None:
     """Why there is no answer, or what to know of it; None where there is nothing to say."""
     tried = ran.tried
     known = [values[np.isfinite(values)].mean() for values in tried.values() if np.isfinite(values).any()]
@@ -474,8 +476,8 @@ def _why_not(problem: RootProblem, ran: Searched, answer: Crossed) -> str | None
         first = ran.failures[0]
         return f"no run has {problem.key}; at {first['value']:zg}, seed {first['seed']}: {first['message']}"
     if not isfinite(answer.value):
-        told = f"{problem.key} goes from {min(known):z.4g} to {max(known):z.4g} there"
-        return f"the range from {low} to {high} does not hold it: {told}"
+        sentence = f"{problem.key} goes from {min(known):z.4g} to {max(known):z.4g} there"
+        return f"the range from {low} to {high} does not hold it: {sentence}"
     wide = problem.room[1] - problem.room[0]
     at_ends = [
         end for end, here in zip(problem.room, (answer.low, answer.high), strict=True) if abs(here - end) < 1e-9 * wide
@@ -483,28 +485,30 @@ def _why_not(problem: RootProblem, ran: Searched, answer: Crossed) -> str | None
     return f"its 95 % range ends at an end of the range, {at_ends[0]:zg}: give a wider one" if at_ends else None
 
 
-def _size(problem: RootProblem, answer: Crossed) -> dict[str, Any] | None:
+def _size(problem: RootProblem, answer: CrossingPlace) -> dict[str, Any] | None:
     """Size of the block whose edge is the answer, with its range; None where the answer is no edge of one."""
-    other, found = problem.across, EDGE.fullmatch(problem.path)
-    if found is None or not isfinite(other) or not isfinite(answer.value):
+    other, match = problem.across, EDGE.fullmatch(problem.path)
+    if match is None or not isfinite(other) or not isfinite(answer.value):
         return None
     low, high = sorted(abs(end - other) for end in (answer.low, answer.high))
-    return {"what": SIZES[found[3]], "value": abs(answer.value - other), "low": low, "high": high}
+    return {"what": SIZES[match[3]], "value": abs(answer.value - other), "low": low, "high": high}
 
 
-def sentence_of(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
+def sentence_of(
+    problem: RootProblem, tried: Mapping[float, np.ndarray], answer: CrossingPlace, reason: str | None
+) -> str:
     """The answer in words: the value with its unit, the size that it makes, and how sure it is that a start holds."""
     if not isfinite(answer.value):
         return f"No value of {_named(problem.path)} with {problem.asked}{problem.where} was found: {reason}."
     above = (problem.sign == ">=") == answer.rises
     side, more = "above" if above else "below", f" But {reason}." if reason else ""
     ranged = _ranged(problem, *answer[:3], axis_unit(problem.path))
-    told = f"{problem.asked} holds{problem.where} for {_named(problem.path)} {side} {ranged}."
+    sentence = f"{problem.asked} holds{problem.where} for {_named(problem.path)} {side} {ranged}."
     if size := _size(problem, answer):
         wider = answer.value > problem.across if above else answer.value < problem.across
         ranged = _ranged(problem, size["value"], size["low"], size["high"], "m")
-        told += f" That is a {size['what']} {'above' if wider else 'below'} {ranged}."
-    return f"{told}{_sureness(problem, tried)}{more}"
+        sentence += f" That is a {size['what']} {'above' if wider else 'below'} {ranged}."
+    return f"{sentence}{_sureness(problem, tried)}{more}"
 
 
 def _sureness(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> str:
@@ -527,8 +531,8 @@ def _named(path: str) -> str:
 
 def _ranged(problem: RootProblem, value: float, low: float, high: float, its: str) -> str:
     """A value and its 95 % range, with their unit."""
-    behind = f" {its.translate(POWERS)}" if its else ""
-    return f"{_brief(problem, value)}{behind} (95 %: {_brief(problem, low)} to {_brief(problem, high)}{behind})"
+    unit_text = f" {its.translate(POWERS)}" if its else ""
+    return f"{_brief(problem, value)}{unit_text} (95 %: {_brief(problem, low)} to {_brief(problem, high)}{unit_text})"
 
 
 def _brief(problem: RootProblem, value: float) -> str:
@@ -536,7 +540,7 @@ def _brief(problem: RootProblem, value: float) -> str:
     return f"{round(value, 3 - floor(log10(problem.room[1] - problem.room[0]))):zg}"
 
 
-def _draw(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: Crossed, folder: Path) -> Path:
+def _draw(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: CrossingPlace, folder: Path) -> Path:
     """Draw the values of all runs over the varied number, with the answer."""
     place = folder / "figures"
     asked_for = f"{problem.key} [{problem.unit.translate(POWERS)}]" if problem.unit else problem.key

@@ -104,8 +104,8 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
         if start.point not in settings:
             settings[start.point] = choose_setting(one)[1]
         runs.append(run_key(with_accuracy(one)[0].core, program_of(settings[start.point])))
-    asked = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
-    shared = Counter(run for run, _ in asked)  # points that differ in their analysis alone need folders of their own
+    hashes = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
+    shared = Counter(run for run, _ in hashes)  # points that differ in their analysis alone need folders of their own
     keys = [run if shared[run] == 1 else member_key(run, one.rest) for run, one in zip(runs, cases, strict=True)]
     return [
         Member(start.point, start.seed, *made)
@@ -149,8 +149,8 @@ class MemberRun(NamedTuple):
     @property
     def jump(self) -> Mapping[str, Any]:
         """Numbers of the jump, empty where none was found."""
-        found = self.summary.get("jump") or {}
-        return found if found.get("verdict") == "jump" else {}
+        jump_part = self.summary.get("jump") or {}
+        return jump_part if jump_part.get("verdict") == "jump" else {}
 
     @property
     def outcome(self) -> str:
@@ -241,14 +241,16 @@ def run_members(
     left = [key for key in known if states[key].stage not in OVER or states[key].stage in again]
 
     def done(number: int, outcome: CallOutcome) -> None:
-        found = state_of(known[left[number]], store)
-        if outcome.kind != "done" and found.stage != "failed":
-            found = MemberState("interrupted" if found.stage == "interrupted" else "waiting", str(outcome.value))
-        states[left[number]] = found
-        ended(left[number], found)
+        member_state = state_of(known[left[number]], store)
+        if outcome.kind != "done" and member_state.stage != "failed":
+            member_state = MemberState(
+                "interrupted" if member_state.stage == "interrupted" else "waiting", str(outcome.value)
+            )
+        states[left[number]] = member_state
+        ended(left[number], member_state)
 
     calls = [partial(run_member, known[key], store, states[key].stage in again, keep_dumps) for key in left]
-    pool.run(calls, done=done, news=lambda number, told: news(left[number], told))
+    pool.run(calls, done=done, news=lambda number, news_of_call: news(left[number], news_of_call))
 
 
 def state_of(member: Member, store: Path, *, named: bool = True) -> MemberState:
@@ -274,10 +276,10 @@ def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
     figures = (case.replace({"analysis.figures": word}) for word in words)
-    told: dict[str, Any] = (
+    analysed: dict[str, Any] = (
         {} if named else {name: stored[name] for name in ("name", "description") if name in case.rest}
     )
-    return stored["analysed"]["key"] in [analysis_key({**one.rest, **told}, stored["outputs"]) for one in figures]
+    return stored["analysed"]["key"] in [analysis_key({**one.rest, **analysed}, stored["outputs"]) for one in figures]
 
 
 def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> None:

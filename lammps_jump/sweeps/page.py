@@ -75,21 +75,21 @@ def player_of(run: Run) -> Player:
     return read_player(run.folder / PLAYER)
 
 
-def by_member(found: StudyResults) -> list[PlayerChoice | Text]:
+def by_member(results: StudyResults) -> list[PlayerChoice | Text]:
     """One player for the members of a case, as many as the page has room for; nothing where none has frames.
 
-    Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
+    Members are in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
     """
-    numbers = found.values[[item.path for item in found.study.collect]]
+    numbers = results.values[[item.path for item in results.study.collect]]
     apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
     order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
     kept: dict[int, Player] = {}
     damaged: list[int] = []
     room = LARGEST
     for number in order:
-        seed = int(found.values["seed"][number])
+        seed = int(results.values["seed"][number])
         try:
-            player = player_of(found.runs[number])
+            player = player_of(results.runs[number])
         except OSError:  # without discs in its frames
             continue
         except ValueError:  # a DumpError is one
@@ -123,15 +123,15 @@ class PlayerPoint(NamedTuple):
     player: Player
 
 
-def by_point(found: StudyResults) -> list[PlayerChoice | Text]:
+def by_point(results: StudyResults) -> list[PlayerChoice | Text]:
     """One player for the points of a study, with a slider for each axis; nothing where no run has frames.
 
     Each point is shown by the member that is nearest to its means. Where all of them together are larger than
     `LARGEST`, every second frame of each is shown, every third, and so on.
     """
-    study = found.study
-    chosen = _nearest(found)
-    points, damaged = _players(found.runs, chosen)
+    study = results.study
+    chosen = _nearest(results)
+    points, damaged = _players(results.runs, chosen)
     if not points:
         return []
     first = len(points) // 2
@@ -144,10 +144,10 @@ def by_point(found: StudyResults) -> list[PlayerChoice | Text]:
         ", ".join(f"{axis.label} {axis.values[i]}" for axis, i in zip(axes, grid[p.number], strict=True))
         for p in points
     ]
-    sides = [_side(found, point) for point in points]
+    sides = [_side(results, point) for point in points]
     choice = PlayerChoice([p.player for p in points], names, first, axes, [grid[p.number] for p in points], sides)
     said = []
-    if len(found.values) > len(chosen):
+    if len(results.values) > len(chosen):
         said.append("Each point is shown by the start whose numbers are nearest to its means.")
     if missing := len(study.points) - len(points):
         said.append(f"{missing} of {len(study.points)} points have no finished run with frames.")
@@ -156,9 +156,9 @@ def by_point(found: StudyResults) -> list[PlayerChoice | Text]:
     return [choice, *([Text(" ".join(said), "small")] if said else [])]
 
 
-def _nearest(found: StudyResults) -> dict[int, int]:
+def _nearest(results: StudyResults) -> dict[int, int]:
     """Row of `StudyResults.values` of the member of each point that is nearest to its means."""
-    numbers = found.values.set_index("point")[[item.path for item in found.study.collect]].astype(float)
+    numbers = results.values.set_index("point")[[item.path for item in results.study.collect]].astype(float)
     apart = ((numbers - numbers.groupby("point").mean()) / numbers.groupby("point").std()) ** 2
     order = np.argsort(apart.sum(axis=1), kind="stable")  # a sum leaves out what is not known
     chosen = {int(numbers.index[row]): int(row) for row in order[::-1]}
@@ -191,9 +191,9 @@ def _thinned(run: Run, player: Player, every: int) -> Player:
     return fewer._replace(still=None) if fewer is not None else player
 
 
-def _side(found: StudyResults, point: PlayerPoint) -> list[Boxes | Curve]:
+def _side(results: StudyResults, point: PlayerPoint) -> list[Boxes | Curve]:
     """Numbers of a point, means over its starts, and the curves of the run that is shown."""
-    study, frame = found.study, flat(found.table, found.study)
+    study, frame = results.study, flat(results.table, results.study)
     boxes = []
     for item in study.collect:
         mean, high = (item.scale * float(frame[name][point.number]) for name in (item.path, f"{item.path}_high"))
@@ -206,10 +206,10 @@ def _side(found: StudyResults, point: PlayerPoint) -> list[Boxes | Curve]:
 def _curves(folder: Path) -> list[Curve]:
     """The curve of a run over the channel, or else its first one; none where they cannot be read."""
     try:
-        found = report.curves(folder)
+        curves = report.curves(folder)
     except DumpError:
         return []
-    return list(found.values())[:1]
+    return list(curves.values())[:1]
 
 
 MOST_NAMED = 6
@@ -219,11 +219,11 @@ MOST_LINES = 6
 COLOURS = (BLUE, GOLD, GREY, RED)
 
 
-def summary_frame(found: StudyResults) -> pd.DataFrame:
+def summary_frame(results: StudyResults) -> pd.DataFrame:
     """Mean ± half the interval of each number, with its count: a row for each point, or a number where there is one."""
-    study = found.study
+    study = results.study
     rows = []
-    frame = flat(found.table, study)
+    frame = flat(results.table, study)
     for (_, numbers), point in zip(frame.iterrows(), study.points, strict=True):
         row = {axis_heading(path): shown(value) for path, value in point.items()}
         for item in study.collect:
@@ -234,42 +234,42 @@ def summary_frame(found: StudyResults) -> pd.DataFrame:
     return whole if study.axes else whole.T.reset_index().set_axis(["number", "mean ± half the interval"], axis=1)
 
 
-def table_text(found: StudyResults) -> str:
+def table_text(results: StudyResults) -> str:
     """The table of `summary_frame` in Markdown."""
-    frame = summary_frame(found)
+    frame = summary_frame(results)
     return markdown(dict.fromkeys(frame.columns, ""), frame.to_dict("records"))
 
 
-def figures_of(found: StudyResults) -> Iterator[tuple[str, str, Figure]]:
+def figures_of(results: StudyResults) -> Iterator[tuple[str, str, Figure]]:
     """Name, caption and figure of each axis, and of a map of two axes of numbers; without an axis, of the profiles."""
-    study = found.study
-    axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
+    study = results.study
+    axes = [axis for axis in study.axes if results.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
     for axis in axes:
         caption = f"Against the {axis_words(axis.name)}; band: interval over members"
-        yield f"sweep_{axis.name}", caption, draw_lines(found.table, study, axis)
+        yield f"sweep_{axis.name}", caption, draw_lines(results.table, study, axis)
     if len(axes) == len(study.axes) == 2:
-        yield "sweep_map", "Means over both axes", draw_map(found.table, study, axes)
-    yield from rating.figures(found)
-    if not study.axes and found.runs:
-        yield "sweep_profiles", "Profiles, mean of the window; thin lines: members", draw_profiles(found)
+        yield "sweep_map", "Means over both axes", draw_map(results.table, study, axes)
+    yield from rating.figures(results)
+    if not study.axes and results.runs:
+        yield "sweep_profiles", "Profiles, mean of the window; thin lines: members", draw_profiles(results)
 
 
-def draw(found: StudyResults, ending: str = "png") -> dict[Path, str]:
+def draw(results: StudyResults, ending: str = "png") -> dict[Path, str]:
     """Draw the figures of a study into its folder; the captions by file."""
-    folder = found.folder / "figures"
+    folder = results.folder / "figures"
     require_no_link(folder)
     folder.mkdir(exist_ok=True)
-    return {save(figure, folder / f"{name}.{ending}"): caption for name, caption, figure in figures_of(found)}
+    return {save(figure, folder / f"{name}.{ending}"): caption for name, caption, figure in figures_of(results)}
 
 
-def draw_profiles(found: StudyResults) -> Figure:
+def draw_profiles(results: StudyResults) -> Figure:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
     panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
-    members = [run.profiles for run in found.runs]
+    members = [run.profiles for run in results.runs]
     with drawing(7.2, 4.6, 2, 1, sharex=True) as (figure, axes):
         for panel, (name, label) in zip(axes, panels.items(), strict=True):
             lines = np.array([profiles[name] for profiles in members])
-            confidence = found.study.fields.confidence
+            confidence = results.study.fields.confidence
             cells = [statistics(line, np.full(len(line), np.nan), confidence) for line in lines.T]
             mean, low, high = (np.array([cell[key] for cell in cells]) for key in ("mean", "low", "high"))
             panel.plot(members[0].x, lines.T, color=GREY, lw=0.5)
@@ -357,9 +357,9 @@ def _draw_level(panel: Any, bar: Any, level: float, mean: np.ndarray, low: np.nd
             panel.contour(values, levels=[level], colors=[RED], linestyles=look)
 
 
-def holding(found: StudyResults) -> list[str]:
+def holding(results: StudyResults) -> list[str]:
     """Sentences on the points at which structures hold: the lower end of the interval of a factor is 1 or more."""
-    study, frame = found.study, flat(found.table, found.study)
+    study, frame = results.study, flat(results.table, results.study)
     names = [point_name(study, index) for index in range(len(frame))]
     share = f"{100 * study.fields.confidence:zg} %"
     said = []
@@ -377,9 +377,9 @@ def holding(found: StudyResults) -> list[str]:
     return said
 
 
-def doubts(found: StudyResults) -> list[str]:
+def doubts(results: StudyResults) -> list[str]:
     """Sentences on what the table cannot say by itself."""
-    study, frame = found.study, flat(found.table, found.study)
+    study, frame = results.study, flat(results.table, results.study)
     names = [point_name(study, index) for index in range(len(frame))]
     said = [
         f"{name}: members differ in kind: {words}. Only numbers that go with a verdict are counted."
@@ -392,20 +392,22 @@ def doubts(found: StudyResults) -> list[str]:
         for item in study.collect
         if (chi2 := frame[f"{item.path}_chi2"].median()) > DISAGREE
     ]
-    said += [f"{names[failure.point]}, member {failure.seed}: left out: {failure.message}" for failure in found.failed]
+    said += [
+        f"{names[failure.point]}, member {failure.seed}: left out: {failure.message}" for failure in results.failed
+    ]
     for item in study.collect:
-        cells = records(found.table, item.path)
+        cells = records(results.table, item.path)
         said += [
             f"{name}: {item.path}: the interval over {cell['n']:z.0f} members is wider than the mean: its sign is not "
             "known. More members narrow it (--members)."
             for name, cell in zip(names, cells, strict=True)
             if cell["high"] - cell["mean"] > abs(cell["mean"])
         ]
-    said += filter(None, [shortfall(found.summaries)])
+    said += filter(None, [shortfall(results.summaries)])
     wanted = ", ".join(f"{path} within {100 * share:zg} %" for path, share in study.fields.until.items())
     said += [
         f"{name}: {wanted} would take {needed} members; {have} have run."
-        for name, needed, have in zip(names, found.needed(), frame["members"], strict=True)
+        for name, needed, have in zip(names, results.needed(), frame["members"], strict=True)
         if needed > have
     ]
     return said
@@ -419,39 +421,40 @@ def point_name(study: Study, index: int) -> str:
     )
 
 
-def interval(found: StudyResults) -> str:
+def interval(results: StudyResults) -> str:
     """Meaning of ±."""
-    count = len(found.runs)
-    over = f"{count} starts" if not found.study.axes else "the starts of a point"
-    return f"± is the {100 * found.study.fields.confidence:zg} % interval of the mean over {over} (Student's t)"
+    count = len(results.runs)
+    over = f"{count} starts" if not results.study.axes else "the starts of a point"
+    return f"± is the {100 * results.study.fields.confidence:zg} % interval of the mean over {over} (Student's t)"
 
 
-def verdict_of(found: StudyResults) -> str:
+def verdict_of(results: StudyResults) -> str:
     """The verdict on the starts of one case; of a study with axes its name."""
-    if found.study.axes or not found.summaries:
-        return f"Study: {found.study.case.name}"
-    return verdict(together(found.summaries, found.mean)) or found.study.case.name
+    if results.study.axes or not results.summaries:
+        return f"Study: {results.study.case.name}"
+    return verdict(together(results.summaries, results.mean)) or results.study.case.name
 
 
-def sections(found: StudyResults) -> list[Section]:
+def sections(results: StudyResults) -> list[Section]:
     """The parts of the page."""
-    study, boxes = found.study, tiles(found.rows) if not found.study.axes else []
+    study, boxes = results.study, tiles(results.rows) if not results.study.axes else []
     varied = f" Varied: {', '.join(axis_words(axis.name) for axis in study.axes)}." if study.axes else ""
-    frame = summary_frame(found)
+    frame = summary_frame(results)
     if boxes:
-        paths = {path for row in found.rows for path in (row.path, row.held)} | {"jump.belanger_deviation"}
+        paths = {path for row in results.rows for path in (row.path, row.held)} | {"jump.belanger_deviation"}
         top = [item.heading for item in study.collect if item.path in paths]
         frame = frame[~frame["number"].isin(top)]
-    held = holding(found)
+    held = holding(results)
+    numbers = Table(frame.values.tolist(), list(frame.columns))
     return [
-        Section("", [Boxes(boxes), Text(f"{interval(found)}. {found.status()}.{varied}", "sure")]),
-        Section("", by_point(found) if study.axes else by_member(found)),
-        Section("", [Items(doubts(found), "What to know")]),
-        Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
+        Section("", [Boxes(boxes), Text(f"{interval(results)}. {results.status()}.{varied}", "sure")]),
+        Section("", by_point(results) if study.axes else by_member(results)),
+        Section("", [Items(doubts(results), "What to know")]),
+        Section("Numbers", [numbers, *starmap(picture, draw(results).items())]),
         Section("What holds", [Items(held), Text(HOLDS if held else "", "small")]),
-        rating.section(found),
-        Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),
-        repeating(f"sweep {found.folder}", study.to_yaml()),
+        rating.section(results),
+        Section("Errors within single runs", [Table(*_own_errors(results)), Text(OWN_ERRORS)]),
+        repeating(f"sweep {results.folder}", study.to_yaml()),
     ]  # fmt: skip
 
 
@@ -462,8 +465,8 @@ OWN_ERRORS = (
 )
 
 
-def _own_errors(found: StudyResults) -> tuple[list[list[Any]], list[str]]:
-    study, frame = found.study, flat(found.table, found.study)
+def _own_errors(results: StudyResults) -> tuple[list[list[Any]], list[str]]:
+    study, frame = results.study, flat(results.table, results.study)
     rows = []
     for index in range(len(frame)):
         for item in study.collect:
@@ -481,9 +484,9 @@ def _own_errors(found: StudyResults) -> tuple[list[list[Any]], list[str]]:
 
 def repeating(command: str, study: str, *packages: str) -> Section:
     """Means to repeat a study: versions, also of more packages, its command and its file."""
-    found = ", ".join(f"{name} {text}" for name, text in versions(*packages).items())
+    versions_text = ", ".join(f"{name} {text}" for name, text in versions(*packages).items())
     again = f"`lammps-jump {command}` goes on with this study, or does nothing where all is there."
-    return Section("How to repeat it", [Table([("Versions", found)]), Text(again), Code(study, "study.yaml")])
+    return Section("How to repeat it", [Table([("Versions", versions_text)]), Text(again), Code(study, "study.yaml")])
 
 
 def write_study_page(path: Path, kind: str, case: Case, verdict: str, parts: Sequence[Section]) -> Path:
@@ -492,7 +495,7 @@ def write_study_page(path: Path, kind: str, case: Case, verdict: str, parts: Seq
     return write_text(path, render(verdict, parts, tab=f"{case.name}: {kind}", name=name))
 
 
-def write_page(found: StudyResults) -> Path:
+def write_page(results: StudyResults) -> Path:
     """Write ``sweep.html`` and the figures."""
-    path = found.folder / "sweep.html"
-    return write_study_page(path, "study", found.study.case, verdict_of(found), sections(found))
+    path = results.folder / "sweep.html"
+    return write_study_page(path, "study", results.study.case, verdict_of(results), sections(results))

@@ -160,7 +160,7 @@ class Pool:
         Raises
         ------
         RunInterrupted
-            Ctrl-C or SIGTERM; the calls at work were asked to save what they had. A second signal ends them at once.
+            Ctrl-C or SIGTERM; the calls at work got a request to save what they had. A second signal ends them at once.
         """
         outcomes: dict[int, CallOutcome] = {}
         waiting = deque(enumerate(calls))

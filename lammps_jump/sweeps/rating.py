@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rating curve of a weir or gate on the page of a study: discharge against head, beside that of water.
+"""Rating curve of a weir or gate on the page of a study: discharge against head, with that of water.
 
 A study that collects ``head`` and ``discharge`` of ``overtopping.<name>`` has the curve of a weir, one that collects
 ``below_head`` and ``below`` that of a gate.
@@ -100,9 +100,9 @@ class Rating:
         return float(np.exp(k)), float(n)
 
 
-def ratings(found: StudyResults) -> list[Rating]:
+def ratings(results: StudyResults) -> list[Rating]:
     """Rating curves of what a study collects, in its order."""
-    study, frame = found.study, flat(found.table, found.study)
+    study, frame = results.study, flat(results.table, results.study)
     paths = [item.path for item in study.collect]
     gravity = float(np.hypot(*study.case.scene().gravity))
     made = []
@@ -125,9 +125,9 @@ def ratings(found: StudyResults) -> list[Rating]:
     return made
 
 
-def figures(found: StudyResults) -> Iterator[tuple[str, str, Figure]]:
+def figures(results: StudyResults) -> Iterator[tuple[str, str, Figure]]:
     """Name, caption and figure of each rating curve of more than one point."""
-    for one in ratings(found):
+    for one in ratings(results):
         if len(one.head) > 1:
             caption = f"Rating curve of {one.name}; bars: interval over members; dashed: {one.law.water}"
             yield f"sweep_rating_{one.name}", caption, draw(one)
@@ -151,10 +151,10 @@ def draw(rating: Rating) -> Figure:
         return figure
 
 
-def section(found: StudyResults) -> Section:
+def section(results: StudyResults) -> Section:
     """Rating curves in words and numbers; without blocks where the study has none."""
     blocks: list[Table | Text] = []
-    for one in ratings(found):
+    for one in ratings(results):
         ratios = one.ratio[np.isfinite(one.ratio)]
         texts = [f"{end(ratios):z.2f}" for end in (np.min, np.max)] if ratios.size else []
         shares = " to ".join(dict.fromkeys(texts))

@@ -31,12 +31,12 @@ OUTPUT = "slurm"
 """Folder of what the tasks print."""
 
 
-def array_text(found: Sweep, numbers: Sequence[int], site: Site, *, at_once: int = AT_ONCE, retry: bool = False) -> str:
+def array_text(sweep: Sweep, numbers: Sequence[int], site: Site, *, at_once: int = AT_ONCE, retry: bool = False) -> str:
     """The file of an array job for some members of a study.
 
     Parameters
     ----------
-    found : Sweep
+    sweep : Sweep
     numbers : sequence of int
         Of the members that are left.
     site : Site
@@ -45,22 +45,22 @@ def array_text(found: Sweep, numbers: Sequence[int], site: Site, *, at_once: int
     retry : bool
         The tasks also run again what failed.
     """
-    first = {found.members[number].point: found.members[number].case for number in numbers}
+    first = {sweep.members[number].point: sweep.members[number].case for number in numbers}
     ranks = max(choose_setting(case)[1].ranks for case in first.values())
     longest = max((case.scene() for case in first.values()), key=lambda scene: seconds_of(scene, ranks))
     fitting = max(1, int(TASK_SECONDS / max(seconds_of(longest, ranks), 1e-3)))
-    each = max(min(ceil(len(numbers) / at_once), fitting), ceil(len(found.members) / MOST_TASKS))
+    each = max(min(ceil(len(numbers) / at_once), fitting), ceil(len(sweep.members) / MOST_TASKS))
     tasks = ",".join(str(task) for task in sorted({number // each for number in numbers}))
     options = (*needs(longest, ranks, each), f"--array={tasks}%{at_once}", f"--output={OUTPUT}/%A_%a.out")
     command = f'lammps-jump sweep . --member "$first-$((first + {each - 1}))"{" --retry" if retry else ""}'
-    return f"""{head(found.study.case.name, options, site)}
+    return f"""{head(sweep.study.case.name, options, site)}
 # Submit it from the folder of the study, which has a folder {OUTPUT}: sbatch {ARRAY_FILE}.
 cd "${{SLURM_SUBMIT_DIR:-$(dirname "$0")}}" || exit 2
 first=$((SLURM_ARRAY_TASK_ID * {each}))
 {run_and_requeue(command, site)}"""
 
 
-def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = False) -> str:
+def submit(sweep: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = False) -> str:
     """Submit one array job for the members of a study that are not done; its number, empty where none is left.
 
     Where all are done, ``until`` may ask for more.
@@ -70,28 +70,28 @@ def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = Fa
     CaseError, SetupError
         A point that cannot be run, a folder in use, tasks of the study in the queue; ``sbatch`` is lacking or refuses.
     """
-    left = found.left(retry)
-    if not left and (wider := found.wider()):
-        found, left = wider, wider.left(retry)
+    left = sweep.left(retry)
+    if not left and (wider := sweep.wider()):
+        sweep, left = wider, wider.left(retry)
     if not left:
         return ""
-    if tasks := queued(found.folder):
+    if tasks := queued(sweep.folder):
         raise SetupError(
-            f"{found.folder}: has {tasks.total()} tasks in Slurm's queue; wait until they have ended, or end them with "
+            f"{sweep.folder}: has {tasks.total()} tasks in Slurm's queue; wait until they have ended, or end them with "
             "scancel"
         )
     site = site.model_copy(update={"environment": site.environment or sys.prefix})
-    with held_study(found.folder):
-        prepare(found)
-        write_text(found.folder / ARRAY_FILE, array_text(found, left, site, at_once=at_once, retry=retry))
-        (found.folder / OUTPUT).mkdir(exist_ok=True)
-        command = ["sbatch", "--parsable", f"--chdir={found.folder.resolve()}", ARRAY_FILE]
+    with held_study(sweep.folder):
+        prepare(sweep)
+        write_text(sweep.folder / ARRAY_FILE, array_text(sweep, left, site, at_once=at_once, retry=retry))
+        (sweep.folder / OUTPUT).mkdir(exist_ok=True)
+        command = ["sbatch", "--parsable", f"--chdir={sweep.folder.resolve()}", ARRAY_FILE]
         try:
-            done = subprocess.run(command, cwd=found.folder, capture_output=True, text=True)
+            done = subprocess.run(command, cwd=sweep.folder, capture_output=True, text=True)
         except OSError:
             raise SetupError("sbatch is not installed: submit from a machine of the cluster") from None
     if done.returncode:
-        raise SetupError(f"sbatch refuses {found.folder / ARRAY_FILE}: {' '.join(done.stderr.split())}; see --site")
+        raise SetupError(f"sbatch refuses {sweep.folder / ARRAY_FILE}: {' '.join(done.stderr.split())}; see --site")
     return done.stdout.strip().partition(";")[0]
 
 
@@ -105,10 +105,10 @@ def queued(folder: Path) -> Counter[str]:
     return Counter(state.lower() for state, _, place in tasks if place == str(folder.resolve()))
 
 
-def status(found: Sweep) -> str:
+def status(sweep: Sweep) -> str:
     """`Sweep.status`, with the tasks that are in the queue."""
-    tasks = ", ".join(f"{count} {state}" for state, count in sorted(queued(found.folder).items()))
-    return found.status() + (f"; tasks of Slurm: {tasks}" if tasks else "")
+    tasks = ", ".join(f"{count} {state}" for state, count in sorted(queued(sweep.folder).items()))
+    return sweep.status() + (f"; tasks of Slurm: {tasks}" if tasks else "")
 
 
 def run_task(folder: Path, members: str, *, retry: bool = False) -> None:
@@ -122,7 +122,7 @@ def run_task(folder: Path, members: str, *, retry: bool = False) -> None:
     folder : Path
         Of the study.
     members : str
-        Number of a member in ``points.json``, from 0, or a range as ``4-7``; numbers behind the last one are left out.
+        Number of a member in ``points.json``, from 0, or a range as ``4-7``; numbers after the last one are left out.
     retry : bool
         Also run again those that failed.
 
@@ -146,20 +146,20 @@ def run_task(folder: Path, members: str, *, retry: bool = False) -> None:
 
 def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
     """Run some members, one after the other; what is to be said of those that failed."""
-    found = open_sweep(folder)
-    asked = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", members)
-    numbers = range(int(asked[1]), min(int(asked[2] or asked[1]) + 1, len(found.members))) if asked else ()
+    sweep = open_sweep(folder)
+    match = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", members)
+    numbers = range(int(match[1]), min(int(match[2] or match[1]) + 1, len(sweep.members))) if match else ()
     if not numbers:
-        raise CaseError(f"--member {members}: {folder} has members 0 to {len(found.members) - 1}; a range is 4-7")
+        raise CaseError(f"--member {members}: {folder} has members 0 to {len(sweep.members) - 1}; a range is 4-7")
     listed = read_points(folder)
-    if listed is None or [item.key for item in listed.members] != [member.key for member in found.members]:
+    if listed is None or [item.key for item in listed.members] != [member.key for member in sweep.members]:
         raise SetupError(
             f"{folder}: was prepared with another version of lammps-jump or LAMMPS, or another kernel; install "
             "the same versions on all machines, and set engine.kernel"
         )
     wrong = []
     for number in numbers:
-        member = found.members[number]
+        member = sweep.members[number]
         state = state_of(member, folder)
         if state.stage == "failed" and not retry:
             wrong.append(f"member {number}: {failure_message(state)}")

@@ -19,7 +19,7 @@ from .pool import CallOutcome, Pool
 Say = Callable[[str], None]
 """Takes one line of progress."""
 Results = dict[str, Any]
-"""Results of a study, as they stand in its JSON file: plain data."""
+"""Results of a study, as they are in its JSON file: plain data."""
 
 
 def all_versions() -> dict[str, str]:
@@ -73,7 +73,7 @@ class Store:
 
     @property
     def pieces(self) -> Results:
-        """Finished pieces by key, as they stand in the JSON file."""
+        """Finished pieces by key, as they are in the JSON file."""
         return self.data["pieces"]
 
     def piece(self, key: str, make: Callable[[], object]) -> Any:
@@ -128,9 +128,9 @@ class Store:
             if watch is not None:
                 watch.ended(names[number], self.pieces[names[number]])
 
-        def news(number: int, told: Any) -> None:
+        def news(number: int, message: Any) -> None:
             if watch is not None:
-                watch.heard(names[number], told)
+                watch.heard(names[number], message)
 
         pool.run(list(left.values()), done=done, news=news, patience=patience)
         if wrong:
@@ -147,7 +147,7 @@ class Store:
         write_json(self.path, self.data)
 
     def finish(self, table: str, **results: object) -> str:
-        """Store results of the whole study with versions and machine, and its table as Markdown beside them."""
+        """Stores results of the whole study with versions and machine, and next to them its table as Markdown."""
         self.data |= plain(results) | {"versions": all_versions(), "machine": machine()}
         self.save()
         write_text(self.path.with_suffix(".md"), table)

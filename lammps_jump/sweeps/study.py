@@ -37,7 +37,7 @@ OTHERS = (
     "discs", "steps", "simulated_time", "cpu_seconds", "wall_seconds", "disc_steps", "disc_steps_per_second",
     "coefficients", "ledger", "theory",
 )  # fmt: skip
-"""Parts of ``summary.json`` beside the analyses whose numbers can be collected."""
+"""Parts of ``summary.json`` other than the analyses whose numbers can be collected."""
 
 OPTIONS = {"axes": "--axis", "most_members": "--most-members"}
 """Options of the command line whose names are not those of their fields."""
@@ -89,18 +89,18 @@ def _values(given: object) -> object:
 def _axes(given: object) -> object:
     if not isinstance(given, Mapping):
         return given
-    found: dict[str, Any] = {}
+    columns_of_axis: dict[str, Any] = {}
     for path, values in given.items():
         if path != ZIP:
-            found[path] = {path: _values(values)}
+            columns_of_axis[path] = {path: _values(values)}
             continue
         if not isinstance(values, Mapping) or not values:
             raise ValueError("zip does not fit; allowed is {path: [values], path: [values]}")
         columns = {name: list(column) if isinstance(column, list) else [] for name, column in values.items()}
         if len({len(column) for column in columns.values()}) != 1 or not all(columns.values()):
             raise ValueError("values that change together need lists of one length")
-        found[next(iter(columns))] = columns
-    return found
+        columns_of_axis[next(iter(columns))] = columns
+    return columns_of_axis
 
 
 def _seeds(given: object) -> object:
@@ -297,12 +297,12 @@ def case_in(path: Path, changes: Mapping[str, object]) -> Case:
 
 def _usual(case: Case) -> Iterator[str]:
     """Paths of what is shown of a case on the screen, but for times of a peak: their means have no interval."""
-    asked = case.fields.analysis
+    analysis = case.fields.analysis
     for name, quantity in QUANTITIES.items():
         keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning and n.unit != "s"]
         parts = _parts(name, case)
         parents = [name] if parts is None else [f"{name}.{part}" for part in parts]
-        if getattr(asked, name, False) or parts is not None:
+        if getattr(analysis, name, False) or parts is not None:
             yield from (f"{parent}.{key}" for parent in parents for key in keys)
 
 
@@ -393,8 +393,8 @@ def parse_until(text: str) -> tuple[str, str]:
 
 
 def _pair(option: str, text: str, sign: str, example: str) -> tuple[str, str]:
-    path, found, value = (part.strip() for part in text.partition(sign))
-    if not (path and found and value):
+    path, sign_found, value = (part.strip() for part in text.partition(sign))
+    if not (path and sign_found and value):
         raise CaseError(
             f"{option} {shortened(text)}: expected a path, {sign} and a value, for example {option} {example}"
         )

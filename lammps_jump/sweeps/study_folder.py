@@ -161,13 +161,13 @@ class StudyResults:
 
     def mean(self, values: Sequence[float]) -> Mean:
         """Mean of numbers and half its interval."""
-        found = sweeps.table.statistics(values, [nan] * len(values), self.study.fields.confidence)
-        return Mean(found["mean"], found["high"] - found["mean"])
+        statistics_of = sweeps.table.statistics(values, [nan] * len(values), self.study.fields.confidence)
+        return Mean(statistics_of["mean"], statistics_of["high"] - statistics_of["mean"])
 
     def needed(self) -> list[int]:
         """Members that each point would need for the intervals of ``until``; 0 if their scatter is not known."""
         needed = [
-            [sweeps.table.members_needed(found, share) or 0 for found in sweeps.table.records(self.table, path)]
+            [sweeps.table.members_needed(statistic, share) or 0 for statistic in sweeps.table.records(self.table, path)]
             for path, share in self.study.fields.until.items()
         ]
         return [max(counts) for counts in zip([0] * len(self.study.points), *needed, strict=True)]
@@ -194,8 +194,8 @@ class StudyResults:
             for values, count, said in zip(self.study.points, counts, verdicts, strict=True)
         ]
         for item in self.study.collect:
-            for point, found in zip(points, sweeps.table.records(self.table, item.path), strict=True):
-                point["numbers"][item.path] = {**found, "unit": item.unit}
+            for point, statistic in zip(points, sweeps.table.records(self.table, item.path), strict=True):
+                point["numbers"][item.path] = {**statistic, "unit": item.unit}
         about = {"name": self.study.case.name, "description": self.study.case.fields.description}
         failed = [{"point": f.point, "seed": f.seed, "message": f.message} for f in self.failed]
         return {**about, "confidence": self.study.fields.confidence, "points": points, "failed": failed}
@@ -212,7 +212,7 @@ class StudyResults:
         return f"{len(self.starts)} runs{points}: {said}"
 
     def _begun(self) -> list[Member] | None:
-        """The members that have a run folder, found by ``points.json``; None if all were read or are not listed.
+        """The members that have a run folder, from ``points.json``; None if all were read or are not listed.
 
         A member takes milliseconds to be made of its case: of a large study most are not needed.
         """
@@ -232,9 +232,9 @@ class StudyResults:
             return None
         pairs = [(start, item.key) for start, item in zip(self.starts, items, strict=True) if item.key in there]
         members = plan(self.study.case, [start for start, _ in pairs], self.study.analysis)
-        found = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
-        known = [member for member in found if member is not None]
-        return known if len(known) == len(found) else None
+        begun_members = [listed_as(member, key) for member, (_, key) in zip(members, pairs, strict=True)]
+        known = [member for member in begun_members if member is not None]
+        return known if len(known) == len(begun_members) else None
 
 
 def _starts(study: Study, folder: Path) -> Iterator[Start]:

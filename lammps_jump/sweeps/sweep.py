@@ -75,10 +75,10 @@ class Board:
         Called with a `SweepProgress` at every change.
     """
 
-    def __init__(self, found: Sweep, retry: bool, show: Callable[[SweepProgress], None]):
-        count = Counter(state.stage for state in found.states.values())
-        self.now = SweepProgress(count["done"], 0 if retry else count["failed"], len(found.states), 0.0, 0.0)
-        self.left, self.show = len(found.left(retry)), show
+    def __init__(self, sweep: Sweep, retry: bool, show: Callable[[SweepProgress], None]):
+        count = Counter(state.stage for state in sweep.states.values())
+        self.now = SweepProgress(count["done"], 0 if retry else count["failed"], len(sweep.states), 0.0, 0.0)
+        self.left, self.show = len(sweep.left(retry)), show
         self._shares: dict[str, float] = {}
         self._steps: dict[str, float] = {}
 
@@ -251,23 +251,23 @@ def sweep(
     """
     read = read_study(study, **given)
     place = Path(folder) if folder is not None else default_folder(study, read.case)
-    found = Sweep(read, place)
+    sweep = Sweep(read, place)
     ranks = read.case.fields.engine.ranks
     most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
-    members = found.members  # what cannot be run is refused before the folder is made
+    members = sweep.members  # what cannot be run is refused before the folder is made
     with held_study(place), Pool(min(most, len(members))) as pool:
         Thread(target=_load_page).start()
-        found = _complete(found, pool, retry, progress)
+        sweep = _complete(sweep, pool, retry, progress)
         pool.close()
-        found.write()
-    _remember(found)
-    return found
+        sweep.write()
+    _remember(sweep)
+    return sweep
 
 
-def _remember(found: Sweep) -> None:
+def _remember(sweep: Sweep) -> None:
     """Keep how much the starts of each point scatter: `check` foretells from it how many a number takes."""
-    study = found.study
-    cells = {item.path: sweeps.table.records(found.table, item.path) for item in study.collect}
+    study = sweep.study
+    cells = {item.path: sweeps.table.records(sweep.table, item.path) for item in study.collect}
     for number, point in enumerate(study.points):
         here = {path: ones[number] for path, ones in cells.items()}
         numbers = {path: (one["mean"], one["sd"], int(one["n"])) for path, one in here.items()}
@@ -285,25 +285,25 @@ def _load_page() -> None:
             import_module(module)
 
 
-def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepProgress], None]) -> Sweep:
+def _complete(sweep: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepProgress], None]) -> Sweep:
     """Run the members of a study, and more of them where ``until`` asks for narrower intervals."""
     while True:
-        prepare(found)
-        board, again = Board(found, retry, progress), ("failed",) if retry else ()
-        states, folder = found.states, found.folder
+        prepare(sweep)
+        board, again = Board(sweep, retry, progress), ("failed",) if retry else ()
+        states, folder = sweep.states, sweep.folder
         try:
-            run_members(found.members, states, folder, pool, again=again, ended=board.ended, news=board.heard)
+            run_members(sweep.members, states, folder, pool, again=again, ended=board.ended, news=board.heard)
         except RunInterrupted as error:
-            raise RunInterrupted(f"{found.folder}: {error}. {Sweep(found.study, found.folder).status()}") from None
-        wider = found.wider()
+            raise RunInterrupted(f"{sweep.folder}: {error}. {Sweep(sweep.study, sweep.folder).status()}") from None
+        wider = sweep.wider()
         if wider is None:
-            return found
-        more = len(wider.starts) - len(found.starts)
-        log.info(f"{more} more runs: {', '.join(found.study.fields.until)} is not known well enough yet")
-        found = wider
+            return sweep
+        more = len(wider.starts) - len(sweep.starts)
+        log.info(f"{more} more runs: {', '.join(sweep.study.fields.until)} is not known well enough yet")
+        sweep = wider
 
 
-def prepare(found: Sweep) -> None:
+def prepare(sweep: Sweep) -> None:
     """Write ``study.yaml`` and ``points.json`` into the folder of a study: all that its members need to be run.
 
     Raises
@@ -311,7 +311,7 @@ def prepare(found: Sweep) -> None:
     SetupError
         The folder of a member is a link.
     """
-    require_no_links(found.members, found.folder)
-    write_text(found.folder / "study.yaml", found.study.to_yaml())
-    listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in found.members]
-    write_json(found.folder / POINTS_FILE, {"points": found.study.points, "members": listed})
+    require_no_links(sweep.members, sweep.folder)
+    write_text(sweep.folder / "study.yaml", sweep.study.to_yaml())
+    listed = [{"point": member.point, "seed": member.seed, "key": member.key} for member in sweep.members]
+    write_json(sweep.folder / POINTS_FILE, {"points": sweep.study.points, "members": listed})

@@ -29,13 +29,13 @@ DISAGREE = 1.5
 
 
 def number_at(summary: Mapping[str, Any], path: str) -> float:
-    """A number of ``summary.json``; NaN where there is none, or where it means nothing beside its verdict."""
+    """A number of ``summary.json``; NaN where there is none, or where its verdict makes it meaningless."""
     parent, _, key = path.rpartition(".")
-    found, beside = value_at(summary, path), value_at(summary, parent)
+    value, beside = value_at(summary, path), value_at(summary, parent)
     quantity = QUANTITIES.get(path.partition(".")[0])
     judged = isinstance(beside, Mapping) and "verdict" in beside
     meant = quantity is None or not judged or quantity.applies(key, quantity.read(beside))
-    return float(found) if isinstance(found, int | float) and meant else nan
+    return float(value) if isinstance(value, int | float) and meant else nan
 
 
 def row_of(summary: Mapping[str, Any], study: Study) -> dict[str, float | str]:
@@ -72,8 +72,8 @@ def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[
 def mean_of(values: Sequence[float | None]) -> tuple[float, float]:
     """Mean over starts and half of its 95 % interval (Student's t); values that are NaN or None are left out."""
     known = np.array([nan if value is None else value for value in values], float)
-    found = statistics(known, np.full(len(known), nan), 0.95)
-    return found["mean"], found["high"] - found["mean"]
+    statistics_of = statistics(known, np.full(len(known), nan), 0.95)
+    return statistics_of["mean"], statistics_of["high"] - statistics_of["mean"]
 
 
 def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
@@ -89,7 +89,7 @@ def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimensions are the axes, and ``statistic``; one variable for each collected number. ``members`` is the number
-        of runs that are done, ``verdicts`` what they found, in words.
+        of runs that are done, ``verdicts`` their results, in words.
     """
     import xarray as xr  # 0.3 s
 
@@ -122,7 +122,7 @@ def _coordinate(values: Sequence[Any]) -> list[Any]:
 
 
 def kinds(group: pd.DataFrame) -> str:
-    """Kinds that the members of a point found, with their number: ``jump 5, marginal jump 3``; or empty."""
+    """Kinds of result of the members of a point, with number: ``jump 5, marginal jump 3``; or empty."""
     said = []
     for name in (column for column in group if column.endswith(".verdict")):
         counts = group[name].fillna("none").value_counts()
@@ -145,14 +145,14 @@ FIRST = 4
 """Members from which the table first tells the width of an interval."""
 
 
-def members_needed(found: Mapping[str, float], share: float) -> int | None:
-    """Members for which the interval would be within ± `share` of the mean; None where that cannot be told.
+def members_needed(numbers: Mapping[str, float], share: float) -> int | None:
+    """Members for which the interval would be within ± `share` of the mean; None where that is unknown.
 
     The half width goes with one over the root of the members. Without an interval it is `FIRST`.
     """
-    half, target = found["high"] - found["mean"], share * abs(found["mean"])
+    half, target = numbers["high"] - numbers["mean"], share * abs(numbers["mean"])
     if not isfinite(half):
         return FIRST
     if not target > 0:
         return None
-    return max(2, ceil(found["n"] * (half / target) ** 2)) if half > target else int(found["n"])
+    return max(2, ceil(numbers["n"] * (half / target) ** 2)) if half > target else int(numbers["n"])

@@ -2,7 +2,7 @@
 """A process that works through the calls of its parent: ``python -m lammps_jump.sweeps.worker DESCRIPTOR [MODULE …]``.
 
 The modules are loaded first. The descriptor is one end of a pipe. A call is a function at the top level of a module,
-with its arguments. The end of the pipe means that the parent is gone: the call at work is asked to stop, and the
+with its arguments. The end of the pipe means that the parent is gone: the call at work gets a request to stop, and the
 process ends.
 """
 

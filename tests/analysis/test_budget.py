@@ -26,7 +26,7 @@ from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import FrontMotion
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.page import Beside
+from lammps_jump.analysis.report.page import SideBySide
 from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
@@ -222,7 +222,9 @@ def test_the_report_names_the_stations_beside_the_loss(jump):
     fields, result = jump
     found = energy_budget(fields, result)
     whole = replace(summarise_jump(result), budget=found, head_lost=found.lost)
-    heads = [table.header[0] for block in section(whole).blocks if isinstance(block, Beside) for table in block.blocks]
+    heads = [
+        table.header[0] for block in section(whole).blocks if isinstance(block, SideBySide) for table in block.blocks
+    ]
     (head,) = (head for head in heads if head.startswith("Energy from"))
     assert f"{found.start:+.1f} to {found.stop:+.1f} m from the toe".replace("-", "−") in head
 

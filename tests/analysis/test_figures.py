@@ -83,7 +83,7 @@ def test_a_painted_picture_fills_its_axes_pixel_for_pixel(larger):
     figure = Figure(figsize=(1.0, 1.0), dpi=100 * larger)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.2, 0.3, 0.6, 0.4))
-    axes.add_image(film.Painted(picture, axes, painter.View((0.0, 6.0), (0.0, 4.0), 60, 40)))
+    axes.add_image(film.RasterImage(picture, axes, painter.View((0.0, 6.0), (0.0, 4.0), 60, 40)))
     axes.set_axis_off()
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[30 * larger : 70 * larger, 20 * larger : 80 * larger, :3]

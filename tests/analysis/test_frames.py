@@ -9,14 +9,14 @@ from made_up import flow_context
 from number_text import numbers_in
 
 from lammps_jump.analysis.report import frames
-from lammps_jump.analysis.report.frames import FramePacker, Packed, encode
+from lammps_jump.analysis.report.frames import FramePacker, PackedFrames, encode
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.scene.walls import Plane
 
 BOX = [[0, 10], [0, 5]]
 
 
-def unpack(packed: Packed) -> list[dict[str, np.ndarray]]:
+def unpack(packed: PackedFrames) -> list[dict[str, np.ndarray]]:
     """The discs of each frame: id, radius (m), x, y (m), u, v (m/s)."""
     header, number = packed.header, numbers_in(packed.text)
     q, qv, times, radii = (np.array(header[key]) for key in ("q", "qv", "times", "radii"))

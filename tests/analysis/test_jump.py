@@ -23,7 +23,7 @@ from lammps_jump.analysis.jump.summary import belongs_to, notes, summarise_jump,
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.passes import Gathered, feed
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.page import Beside, Table, Text, errors_of, render
+from lammps_jump.analysis.report.page import SideBySide, Table, Text, errors_of, render
 from lammps_jump.analysis.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
 from lammps_jump.analysis.tables import rows_of, tiles
@@ -429,7 +429,9 @@ def test_each_printed_number_has_its_error():
 
 def tables_of(jump):
     """All tables of the section."""
-    blocks = [one for block in section(jump).blocks for one in (block.blocks if isinstance(block, Beside) else [block])]
+    blocks = [
+        one for block in section(jump).blocks for one in (block.blocks if isinstance(block, SideBySide) else [block])
+    ]
     return [block for block in blocks if isinstance(block, Table)]
 
 

@@ -26,7 +26,7 @@ from lammps_jump.analysis.tables import rows_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics.bodies import bearing_pressures, eccentricity
 from lammps_jump.scene.motion import MovingWall
-from lammps_jump.scene.scene import Weighed
+from lammps_jump.scene.scene import WallWeight
 from lammps_jump.scene.walls import Block, Circle, Plane, Polygon
 
 G = 9.81
@@ -199,7 +199,7 @@ def test_a_wall_with_a_weight_is_looked_at_by_its_record():
     force, height = 1000.0 * G * 2.0, 2.0 / 3.0
     zero = np.zeros(len(TIME))
     record = ForceHistory(TIME, zero + force, zero, zero - force * height)  # about its point, the lower left corner
-    loads, why = wall_loads(flow, "quay", Weighed(2400.0, 0.5), record)
+    loads, why = wall_loads(flow, "quay", WallWeight(2400.0, 0.5), record)
     assert not why
     found = found_of(loads, WINDOW, 0.1)
     area, weight = 6.75, 2400.0 * 6.75 * G

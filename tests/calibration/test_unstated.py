@@ -8,7 +8,7 @@ import pytest
 
 from lammps_jump.calibration import answer as words
 from lammps_jump.calibration.answer import along, partner, unmet
-from lammps_jump.calibration.besides import Besides, Change, movers
+from lammps_jump.calibration.besides import Change, NearestEffects, movers
 from lammps_jump.calibration.model import MOST, MOST_POINTS, alike, model_of, possible_errors, scatter_of
 from lammps_jump.calibration.posterior import sample, sobol
 from lammps_jump.calibration.targets import Target
@@ -189,7 +189,7 @@ def test_what_moves_a_curve_is_told_along_its_gap():
     up, down = base + 0.2, base - 0.1
     values = np.array([[up, up], [down, down], [base, base], [np.full(19, np.nan)] * 2])
     changes = tuple(Change(path, 1.0, 2.0) for path in ("a", "b", "c", "d"))
-    told = movers(model, model.parts[0], near, Besides(changes, (), {"heap.depth": values}, 8))
+    told = movers(model, model.parts[0], near, NearestEffects(changes, (), {"heap.depth": values}, 8))
     assert [one["path"] for one in told] == ["a", "b"]
     # the gap is 0.4 and what the steepest run lacks of the truth: up takes about half of it
     assert told[0]["closes"] == pytest.approx(0.5, abs=0.1) and told[1]["closes"] == pytest.approx(-0.25, abs=0.05)

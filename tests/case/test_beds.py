@@ -162,6 +162,6 @@ def test_the_packing_that_is_sure_is_below_the_one_refused(monkeypatch):
     """An overlap of 0.13 % made 0.788 of 0.79, which was told as "0.79 is sure" beside the refusal of 0.79."""
     refused = discs.PackedBed(kind="packed_bed", x=(0, 1.2), y=(0, 1), packing=0.79)
     with monkeypatch.context() as patch:
-        patch.setattr(beds, "_kept", lambda bed: beds.Grown(np.zeros((1, 2)), 0.0013))
+        patch.setattr(beds, "_kept", lambda bed: beds.GrownPacking(np.zeros((1, 2)), 0.0013))
         with pytest.raises(ValueError, match=r"0\.78 is sure"):
             beds.bed_positions(refused, np.full(119, 0.1), 1)

@@ -18,7 +18,7 @@ from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError, DumpError, RunError, SetupError
 from lammps_jump.scene.meeting import corners, stiffness_between
-from lammps_jump.scene.motion import STILL, Pose, Went
+from lammps_jump.scene.motion import STILL, Pose, WallState
 from lammps_jump.script.stock import lacking
 
 CASE = """
@@ -176,7 +176,7 @@ def test_a_body_of_an_earlier_run_tips_from_the_pose_it_begins_in(case, x, turn,
     y = [0, 1] if x[1] == 25 else [0, 5]
     block = {"name": "post", "kind": "block", "x": x, "y": y, "density": 2400}
     (post,) = case.replace({"contact.impact_speed": 2, "bodies": [block], "probes": {}}).scene().bodies
-    begun = post._replace(motion=replace(post.motion, went=Went(Pose(0, 0, turn * pi), STILL)))
+    begun = post._replace(motion=replace(post.motion, went=WallState(Pose(0, 0, turn * pi), STILL)))
     energy, blow = foreseen_blow(begun, 0.0)
     free = post.motion.free
     assert tips_at(begun.first, free) == pytest.approx(speed, abs=0.01)

@@ -11,7 +11,7 @@ from children import run_program
 from made_up import BOX
 
 import lammps_jump as lj
-from lammps_jump.runs.conclude import Ahead
+from lammps_jump.runs.conclude import AnalysisThread
 from lammps_jump.sweeps import Sweep, read_study
 
 sweep = import_module("lammps_jump.sweeps.sweep")
@@ -84,8 +84,8 @@ def test_the_analysis_ahead_tells_errors_while_the_program_goes_on(monkeypatch, 
     def fail(self):
         raise RuntimeError("can't register atexit after shutdown")
 
-    told, ahead = [], Ahead.__new__(Ahead)
-    monkeypatch.setattr(Ahead, "_follow", fail)
+    told, ahead = [], AnalysisThread.__new__(AnalysisThread)
+    monkeypatch.setattr(AnalysisThread, "_follow", fail)
     monkeypatch.setattr(threading, "excepthook", told.append)
     if ended:
         monkeypatch.setattr(threading.main_thread(), "is_alive", lambda: False)

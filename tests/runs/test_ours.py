@@ -127,7 +127,7 @@ def test_a_report_shows_pictures_of_its_folder_alone(folder, tmp_path):
     (folder / "animation.gif").write_text("password")
     os.mkfifo(folder / "figures" / "a_pipe.png")
     (tmp_path / "stage").mkdir()
-    seen = lj.open_run(folder).report(tmp_path / "page.html"), write_report(tmp_path / "stage", {}, beside=folder)
+    seen = lj.open_run(folder).report(tmp_path / "page.html"), write_report(tmp_path / "stage", {}, run_folder=folder)
     for page in (path.read_text() for path in seen):
         assert "<figcaption>mine" in page
         for text in ("holiday", "The flow", "secret", "a_pipe", "data:video/mp4", "data:image/gif"):

@@ -25,7 +25,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.served import children as children_module
 from lammps_jump.served import watched as watched_module
 from lammps_jump.served.children import ServedChild
-from lammps_jump.served.watched import SoFar, Times, Watched, WatchedState, reached
+from lammps_jump.served.watched import SoFar, Times, WatchedRun, WatchedState, reached
 
 CASE = """\
 name: falls
@@ -73,7 +73,7 @@ def all_of(watched):
 
 def test_a_page_gets_the_frames_of_the_dump(finished):
     before = {one: (one.stat().st_mtime_ns, one.stat().st_size) for one in finished.rglob("*")}
-    watched = Watched(finished)
+    watched = WatchedRun(finished)
     found, data = all_of(watched)
     assert (found["status"], found["frames"], found["time"]) == ("complete", 26, pytest.approx(0.5))
     q = found["about"]["q"]
@@ -99,7 +99,7 @@ def growing(finished, folder):
 
 def test_frames_come_as_they_are_written(finished, tmp_path):
     """In any pieces; each once its last line is there."""
-    watched = Watched(tmp_path / "run")
+    watched = WatchedRun(tmp_path / "run")
     assert watched.update()["status"] == "none"
     whole = growing(finished, tmp_path / "run")
     begins = [i for i in range(len(whole)) if whole.startswith(b"ITEM: TIME\n", i)]
@@ -118,24 +118,24 @@ def test_frames_come_as_they_are_written(finished, tmp_path):
         shutil.copy(finished / "summary.json", tmp_path / "run")
     found, data = all_of(watched)
     assert (found["status"], found["frames"]) == ("complete", 26)
-    assert data == all_of(Watched(finished))[1]
+    assert data == all_of(WatchedRun(finished))[1]
     assert sorted(one.name for one in (tmp_path / "run").iterdir()) == [
         folders.MARKER_FILE, "case.yaml", "dump.lammpstrj", "summary.json",
     ]  # fmt: skip
 
 
 def test_the_start_of_a_case_is_shown_before_its_run_has_written_a_frame(finished, tmp_path):
-    watched = Watched(tmp_path / "run")
+    watched = WatchedRun(tmp_path / "run")
     watched.expect(ReadCase.load(finished))
     found, data = all_of(watched)
     assert (found["status"], found["frames"], found["time"]) == ("none", 1, 0.0) and found["about"]["walls"]
-    assert data == Watched(finished).frames(0, "") + first_of(all_of(Watched(finished))[1])
+    assert data == WatchedRun(finished).frames(0, "") + first_of(all_of(WatchedRun(finished))[1])
     whole = growing(finished, tmp_path / "run")
     (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole)
     shutil.copy(finished / "summary.json", tmp_path / "run")
     now, all_data = all_of(watched)
     assert now["of"] != found["of"] and (now["frames"], now["trouble"]) == (26, "")
-    assert all_data == all_of(Watched(finished))[1]
+    assert all_data == all_of(WatchedRun(finished))[1]
 
 
 def first_of(data):
@@ -144,12 +144,12 @@ def first_of(data):
 
 
 def test_frames_are_answered_while_curves_are_made(finished, monkeypatch):
-    watched, seen = Watched(finished), []
+    watched, seen = WatchedRun(finished), []
     all_of(watched)
     made = SoFar.curves
     monkeypatch.setattr(SoFar, "curves", lambda *a, **k: seen.append(watched.update()["frames"]) or made(*a, **k))
     assert [one["key"] for one in watched.curves()] == ["gauges", "forces", "energy"] and seen == [26]
-    assert Watched(finished.parent / "none").curves() == []
+    assert WatchedRun(finished.parent / "none").curves() == []
 
 
 FOLLOWED = """
@@ -232,20 +232,20 @@ def test_how_far_a_run_came(state, times, whole, said):
 
 
 def test_a_page_is_told_how_far_its_run_came(finished, tmp_path):
-    assert all_of(Watched(finished))[0]["reached"] == "0.50 s"
+    assert all_of(WatchedRun(finished))[0]["reached"] == "0.50 s"
     shutil.copytree(finished, tmp_path / "run")
     path = tmp_path / "run" / "summary.json"
     stored = json.loads(path.read_text())
     path.write_text(json.dumps(stored | {"stopped_when_steady": "steady", "steps": stored["steps"] // 2}))
-    assert Watched(tmp_path / "run").update()["reached"].startswith("ended at 0.25 s, before its 0.5 s: steady")
+    assert WatchedRun(tmp_path / "run").update()["reached"].startswith("ended at 0.25 s, before its 0.5 s: steady")
     path.write_text(json.dumps(stored | {"status": "failed", "message": "a disc is lost"}))
-    assert "before its 0.5 s: a disc is lost" in Watched(tmp_path / "run").update()["reached"]
+    assert "before its 0.5 s: a disc is lost" in WatchedRun(tmp_path / "run").update()["reached"]
 
 
 def test_a_dump_that_was_cut_is_read_anew(finished, tmp_path):
     """A run that goes on cuts its dump back to its checkpoint: a page gives up the frames it has."""
     whole = growing(finished, tmp_path / "run")
-    path, watched = tmp_path / "run" / "dump.lammpstrj", Watched(tmp_path / "run")
+    path, watched = tmp_path / "run" / "dump.lammpstrj", WatchedRun(tmp_path / "run")
     path.write_bytes(whole[: len(whole) // 2])
     first, _ = all_of(watched)
     path.write_bytes(whole[: len(whole) // 3])
@@ -312,7 +312,7 @@ def test_a_damaged_dump_is_told_as_long_as_it_is_seen(finished, tmp_path, spoilt
     path.write_text(spoil(path.read_text()))
     if not ended:
         (tmp_path / "run" / "summary.json").unlink()
-    watched = Watched(tmp_path / "run")
+    watched = WatchedRun(tmp_path / "run")
     found, data = all_of(watched)
     if not ended and (shown == 0 or "of 26 frames" in said):
         assert not found["trouble"] and found["frames"] == shown  # it may go on
@@ -340,7 +340,7 @@ def test_a_defect_while_frames_are_shown_is_told_from_then_on(finished, monkeypa
     def broken(*_):
         raise ZeroDivisionError("no such luck")
 
-    watched = Watched(finished)
+    watched = WatchedRun(finished)
     monkeypatch.setattr("lammps_jump.analysis.report.frames.FramePacker.add", broken)
     with pytest.raises(ZeroDivisionError):
         watched.update()
@@ -350,7 +350,7 @@ def test_a_defect_while_frames_are_shown_is_told_from_then_on(finished, monkeypa
 
 def test_what_a_page_keeps_is_thinned_and_sent_anew(finished, monkeypatch):
     monkeypatch.setattr("lammps_jump.analysis.report.frames.MOST_FRAMES", 10)
-    found, data = all_of(Watched(finished))
+    found, data = all_of(WatchedRun(finished))
     assert found["frames"] <= 10 and found["of"] == "1-2"
     assert np.allclose(np.diff([time for time, *_ in rows(data, 1.0)]), 0.08)
 
@@ -403,9 +403,9 @@ def test_a_report_acts_within_itself(finished, tmp_path):
 def test_a_run_that_was_cut_off_is_called_so(finished, tmp_path):
     """Frames without a summary, a checkpoint or a process: they are shown, and there is a way to go on."""
     whole = growing(finished, tmp_path / "run")
-    assert Watched(tmp_path / "run").update()["status"] == "none"  # built, and never run
+    assert WatchedRun(tmp_path / "run").update()["status"] == "none"  # built, and never run
     (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole[: 2 * len(whole) // 3])
-    found, _ = all_of(Watched(tmp_path / "run"))
+    found, _ = all_of(WatchedRun(tmp_path / "run"))
     assert (found["status"], found["cut_off"]) == ("interrupted", True) and 10 < found["frames"] < 26
     assert "it was cut off and left no checkpoint" in found["message"]
     with serving(tmp_path / "run") as server:
@@ -540,9 +540,9 @@ def test_what_was_started_here_is_stopped_when_the_server_ends(tmp_path, monkeyp
     with serving(tmp_path / "falls.yaml") as server:
         child = waiting(server)
         assert server.pages.close() == [child]
-    assert child.status == 75 and Watched(tmp_path / "runs" / "falls").update()["status"] == "interrupted"
+    assert child.status == 75 and WatchedRun(tmp_path / "runs" / "falls").update()["status"] == "interrupted"
 
 
 def test_times_of_frames_grow(finished):
-    _, data = all_of(Watched(finished))
+    _, data = all_of(WatchedRun(finished))
     assert all(before < after for (before, *_), (after, *_) in pairwise(rows(data, 1.0)))

@@ -11,10 +11,10 @@ from made_up import BOX, call
 import lammps_jump as lj
 from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.errors import CaseError
-from lammps_jump.sweeps.crossing import Crossed
+from lammps_jump.sweeps.crossing import CrossingPlace
 from lammps_jump.sweeps.find import (
     RootProblem,
-    Searched,
+    SearchedPlaces,
     answer_of,
     parse_condition,
     read_find,
@@ -162,9 +162,9 @@ def test_an_edge_is_told_with_its_unit_and_as_a_width(path, text):
     """Where starts scatter, half of them may miss what the mean holds, and the sentence says so."""
     problem = RootProblem(lj.load_case(sill(1.8)), path, (1.0, 2.0), "energy.initial", ">=", 3.0, 3, 30)
     tried = {1.2: np.array([2.0, 2.2, 2.1]), 1.8: np.array([4.0, 4.1, 3.8])}
-    said = sentence_of(problem, tried, Crossed(1.5, 1.4, 1.6, rises=True), None)
+    said = sentence_of(problem, tried, CrossingPlace(1.5, 1.4, 1.6, rises=True), None)
     assert text in said and "about half of the starts may miss it. --share 95%" in said
-    alike = sentence_of(problem, dict.fromkeys(tried, np.array([2.0, 2.0])), Crossed(1.5, 1.4, 1.6), None)
+    alike = sentence_of(problem, dict.fromkeys(tried, np.array([2.0, 2.0])), CrossingPlace(1.5, 1.4, 1.6), None)
     assert "half of the starts" not in alike
 
 
@@ -198,7 +198,7 @@ def test_a_search_says_where_the_inflow_fell_short(tmp_path):
     weirs = [
         {"inflow": {"asked": 1.0, "delivered": 0.98}, "overtopping": {"weir": {"discharge": q}}} for q in (0.58, 0.67)
     ]
-    ran = Searched({400.0: np.array([488.0, 488.0]), 1600.0: np.array([1952.0, 1952.0])}, [], weirs)
+    ran = SearchedPlaces({400.0: np.array([488.0, 488.0]), 1600.0: np.array([1952.0, 1952.0])}, [], weirs)
     found = write_answer(read_find(QUICK, **KNOWN), tmp_path, ran)
     short = "in 2 of 2 runs: 1 m²/s asked for, 0.98 came in, 0.58 to 0.67 passed weir"
     assert short in found["notes"][0] and short in (tmp_path / "find.html").read_text()

@@ -66,7 +66,7 @@ JUMP_API int64_t jump_touch_wall(const jump_touch_wall_input *input)
   return number;
 }
 
-// Of the laws of a scene, that of two discs and those of its walls behind it, `which` is that of each contact. Its dashpot
+// Of the laws of a scene, that of two discs and then those of its walls, `which` is that of each contact. Its dashpot
 // and slope of the viscous ramp are its own.
 
 // Normal force of each contact; opening: speed of parting.
@@ -95,7 +95,7 @@ JUMP_API double jump_elastic_sum(int64_t n, const LawNumbers *laws, const int64_
   FIELD(int64_t, has_friction) FIELD(double, slope) FIELD(double *, fx) FIELD(double *, fy)
 JUMP_INPUT(jump_whole_forces, JUMP_WHOLE_FORCES)
 
-// Force of each contact on its second disc. state: u, v, rim (radius times spin) of each disc and, behind them, of what
+// Force of each contact on its second disc. state: u, v, rim (radius times spin) of each disc and, after them, of what
 // never moves; contact: nx, ny, overlap, dashpot, ramp, velocity of the wall. n contacts each. slope: 1/eps of the sign law,
 // s/m; has_friction 0: without friction.
 JUMP_API void jump_whole_forces(const jump_whole_forces_input *input)
@@ -214,7 +214,7 @@ template <class Law> struct FrameContacts {
 
 // Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of fields. A pair counts half
 // at either disc; its force acts through the planes between the centres. state: u, v, kick (half a step over the mass)
-// and weight along x and y of each disc, and of what never moves behind them; contact: nx, ny, overlap, dashpot.
+// and weight along x and y of each disc, and then of what never moves; contact: nx, ny, overlap, dashpot.
 // In each of `rounds` the velocities of the half step follow from the forces that they give.
 JUMP_API void jump_contact_fields(const jump_contact_fields_input *input)
 {

@@ -54,7 +54,7 @@ JUMP_INPUT(jump_bin_frame, JUMP_BIN_FRAME)
 // Adds discs to sums[quantity * bins + bin], and the mass beyond the bins to beyond (left, right), in shares of area.
 // Quantities: mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
 // The centre of a disc is anywhere from start to stop, and the disc counts with its weight. There are no discs before
-// `begin` and behind `end`, to fill what those between them leave free there: what sticks out is folded back.
+// `begin` and after `end`, to fill what those between them leave free there: what sticks out is folded back.
 JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
 {
   JUMP_BIN_FRAME(JUMP_LOCAL)
@@ -104,7 +104,7 @@ JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
   FIELD(const uint8_t *, joined) FIELD(double, low) FIELD(double, spacing) FIELD(int64_t, lines) FIELD(int64_t *, top)
 JUMP_INPUT(jump_top_discs, JUMP_TOP_DISCS)
 
-// The disc with the highest top edge at each of `lines` vertical lines, -1 where none cuts it; line k stands at
+// The disc with the highest top edge at each of `lines` vertical lines, -1 where none cuts it; line k is at
 // low + (k + 1/2) spacing. Discs count that are joined.
 JUMP_API void jump_top_discs(const jump_top_discs_input *input)
 {
@@ -165,7 +165,7 @@ void cut(double start, double way, double least, double most, double &since, dou
   FIELD(double *, sums)
 JUMP_INPUT(jump_layers_discs, JUMP_LAYERS_DISCS)
 
-// Adds discs; at the ends of the stretch the share in x times that in y stands for the share of the area in both.
+// Adds discs; at the ends of the stretch the share in x times that in y replaces the share of the area in both.
 JUMP_API void jump_layers_discs(const jump_layers_discs_input *input)
 {
   JUMP_LAYERS_DISCS(JUMP_LOCAL)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Touching pairs of discs that are looked at together: found without a branch, which would be guessed wrong often, and evaluated in
+/* Touching pairs of discs that are looked at together: selected without a branch, often guessed wrong, and evaluated in
    vectors. The native engine and the plugin sum what comes out, each in its own order. */
 
 #ifndef JUMP_CORE_BATCH_H
@@ -37,7 +37,7 @@ template <int ROOM> struct ContactBatch {
   int32_t place[ROOM + 4];                 // in the list
   alignas(64) double between[ROOM][4];     // from the second disc to the first: x, y, vx, vy
   alignas(64) double radius[2][ROOM], bulk[2][ROOM], spin[2][ROOM], moment[2][ROOM];
-  alignas(64) double slide[ROOM], roll[ROOM];    // springs, before and behind the step
+  alignas(64) double slide[ROOM], roll[ROOM];    // springs, before and after the step
 
   Four &difference(int c) { return *reinterpret_cast<Four *>(between[c]); }
 
@@ -91,7 +91,7 @@ template <int ROOM> struct ContactBatch {
     }
   }
 
-  /** Calls put(c, force) for vectors of contacts, c of the first. HEAVY: radii stand for other masses (`bulk`); `usual`: the radius
+  /** Calls put(c, force) for vectors of contacts, c of the first. HEAVY: radii represent other masses (`bulk`); `usual`: radius
       of equal discs, m. Springs go on, and moments are kept. */
   template <bool SIZES, bool SPIN, class Law, class Put>
   void evaluate(const Law &law, const Numbers<Lanes> &of, bool heavy, double usual, const Put &put)

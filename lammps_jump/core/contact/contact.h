@@ -11,7 +11,7 @@
 
 namespace jump {
 
-/** Radius that stands for the mass of a fixed disc, m: its square is still a number. */
+/** Radius that represents the mass of a fixed disc, m: its square is still a number. */
 constexpr double HUGE_RADIUS = 1e150;
 
 /** From the centre of a disc to the middle of the overlap, m. */
@@ -100,7 +100,7 @@ template <class Number> struct Pair {
   Number dx, dy, apart2;    // m, and the square of the distance
   Number vx, vy;            // m/s
   Number a, b;              // radii, m
-  Number bulk_a, bulk_b;    // radii that stand for the masses, m
+  Number bulk_a, bulk_b;    // radii that represent the masses, m
   Number spin_a, spin_b;    // rad/s
 };
 

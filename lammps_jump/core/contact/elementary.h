@@ -57,7 +57,7 @@ inline Double whole_sum(double a, double b)
   return {high, (a - (high - c)) + (b - c)};
 }
 
-/** The window of `words` (least first) that begins `begin` digits behind the point of 2/pi; 64 digits 0 stand before it. */
+/** The window of `words` (least first) that begins `begin` digits after the point of 2/pi; 64 digits 0 precede it. */
 inline void window_of_two_over_pi(int begin, uint32_t words[6])
 {
   static constexpr uint32_t DIGITS[39] = {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Include this first in a unit that computes contacts one at a time.
 
-   GCC 12.0 to 12.2 contract a difference beside a sum, such as fx - t ny and fy + t nx, into one rounding in spite of
+   GCC 12.0 to 12.2 contract a difference next to a sum, like fx - t ny and fy + t nx, into one rounding in spite of
    -ffp-contract=off (GCC bug 107647), where they make a vector of the two. Results would then depend on what else is in a unit. */
 
 #ifndef JUMP_CORE_NO_CONTRACTION_H

@@ -134,7 +134,7 @@ bool let_leave(jump_state &s, jump_events &e, ThreadPartition &partition)
   return relist(s, partition) != LIST_STALE;
 }
 
-/** Put a disc behind the others, with the largest diameter and a row of the list of its own. */
+/** Put a disc after the others, with the largest diameter and a row of the list of its own. */
 void append(jump_state &s, jump_events &e, Rooms &rooms, const jump_inlet &inlet)
 {
   if (s.n == s.disc_room) rooms.grow_discs(s);

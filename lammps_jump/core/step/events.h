@@ -50,7 +50,7 @@ struct jump_events {
   int64_t outlets;
   const jump_outlet *outlet;
   int64_t *traffic;    // by Traffic
-  // their sizes: of each id (m), given behind a step that is a multiple of `size_every`; NULL: all are equal
+  // their sizes: of each id (m), given after a step that is a multiple of `size_every`; NULL: all are equal
   const double *own_radius;
   int64_t size_every;
   // steps from which walls are gone
@@ -66,7 +66,7 @@ struct jump_events {
   double station_left, station_width, station_speed;
   int64_t station_first, station_last;
   double *station_sums;
-  // of the ledger; `ledger` 0: elastic energies are not asked for
+  // of the ledger; `ledger` 0: elastic energies are not requested
   int64_t ledger;
   double gravity_x, gravity_y;
   double *exchanged;    // by Exchange
@@ -76,7 +76,7 @@ struct jump_events {
 
 namespace jump {
 
-/** First step after the present one at which something happens between drift and forces, or behind them. */
+/** First step after the present one at which something happens between drift and forces, or after them. */
 int64_t next_event(const jump_state &s, const jump_events &e);
 
 /** Whether discs or walls come or go between the drift of this step and its forces. */
@@ -85,7 +85,7 @@ bool is_between(const jump_state &s, const jump_events &e);
 /** Let what belongs between drift and forces happen; false where lists could not be made. */
 bool happen_between(jump_state &s, jump_events &e, ThreadPartition &partition);
 
-/** Let what belongs behind the forces happen. */
+/** Let what belongs after the forces happen. */
 void happen_after(jump_state &s, jump_events &e, ThreadPartition &partition);
 
 }    // namespace jump

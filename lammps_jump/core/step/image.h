@@ -61,7 +61,7 @@ class SceneImage {
   struct Tail {
     int64_t version, state, events;
   };
-  /** Tells whether so many bytes from a place on lie in the image, where a number may stand. */
+  /** Tells whether so many bytes from a place on lie in the image, where a number may be. */
   static bool holds(const Head &head, int64_t place, int64_t bytes)
   {
     return place >= 0 && place % (int64_t) sizeof(void *) == 0 && bytes <= head.size && place <= head.size - bytes;

@@ -9,7 +9,7 @@
 
 namespace jump {
 
-constexpr int CHAINS = 4;    // sums and maxima that run beside each other: the ledger's last digits are those of this order
+constexpr int CHAINS = 4;    // sums and maxima that run in parallel: the ledger's last digits are those of this order
 
 double fastest(const ContactVelocities &seen, int64_t begin, int64_t end)
 {
@@ -157,7 +157,7 @@ void store(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows
   });
 }
 
-/** Sums of four chains; one disc beside them is of the first. */
+/** Sums of four chains; one further disc is of the first. */
 static void add_to(Four &chains, const Four &terms) { chains += terms; }
 static void add_to(Four &chains, double term) { chains[0] += term; }
 static double sum_of(const Four &chains) { return (chains[0] + chains[1]) + (chains[2] + chains[3]); }

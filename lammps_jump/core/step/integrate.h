@@ -17,7 +17,7 @@ struct Dissipated {
 };
 
 /** Rows of the discs between the steps of a call: place and velocity as contacts see them, and force with its part that dashpots
-    lose. They are what steps go on from; arrays of the state have them before and behind. */
+    lose. They are what steps go on from; arrays of the state have them before and after. */
 struct StepRows {
   double (*at)[4], (*forces)[4];
 };
@@ -47,7 +47,7 @@ struct SpeedRange {
   }
 };
 
-/** What a row of forces has behind the force where discs go by half kicks: the half kick of 1 N, m/s, and the mass over that of a
+/** What a row of forces has after the force where discs go by half kicks: the half kick of 1 N, m/s, and the mass over that of a
     disc of nominal size; 0 of discs that stay. */
 enum { HALF_KICK = 2, MASS = 3 };
 
@@ -66,7 +66,7 @@ void begin_halves(const jump_state &s, int64_t begin, int64_t end, const StepRow
     the new velocities, which bounds how far discs can have come against one another. */
 SpeedRange drift_by_halves(const jump_state &s, int64_t begin, int64_t end, bool both, const StepRows &rows);
 
-/** Velocity (m/s) and spin (rad/s) of a disc at the step, half a kick behind those of the state. */
+/** Velocity (m/s) and spin (rad/s) of a disc at the step, half a kick after those of the state. */
 struct AtStep {
   double vx, vy, spin;
 

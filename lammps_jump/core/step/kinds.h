@@ -42,7 +42,7 @@ template <class Run> inline void with_law(const jump_state &s, double slope, con
 inline double radius_of(const jump_state &s, int64_t i) { return s.radius ? s.radius[i] : 0.5 * s.diameter; }
 inline bool is_fixed(const jump_state &s, int64_t i) { return s.fixed && s.fixed[i] != 0; }
 
-/** Radius that stands for the mass of a disc, m: its partner's mass counts where it is fixed. */
+/** Radius that represents the mass of a disc, m: its partner's mass counts where it is fixed. */
 inline double mass_radius(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
 
 /** Slots of one disc. */
@@ -80,7 +80,7 @@ inline void end_contacts(const jump_state &s, int64_t begin, int64_t end)
     }
 }
 
-/** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
+/** What a disc remembers of one contact: its present state, and that after a step. */
 class ContactHistory {
  public:
   ContactHistory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
@@ -92,7 +92,7 @@ class ContactHistory {
     if (slot == FULL && goes_on) *row.s.full = id;
   }
 
-  /** As it stands; nothing is changed. */
+  /** In its present state; nothing is changed. */
   void look(int64_t partner) { slot = held(row, partner, 0.0, NO_END, 0.0); }
 
   /** Index of the springs, or FULL. */
@@ -138,7 +138,7 @@ struct PairHistory {
     return of;
   }
 
-  /** The springs as they stand. */
+  /** The springs in their present state. */
   ContactHistory look(const jump_state &s) const
   {
     ContactHistory of(s, disc);
@@ -236,7 +236,7 @@ struct WallView : WallInPlace {
 };
 
 /** The force of a body on a disc, `of` being the numbers of a disc of nominal size at a wall; those of the effective mass of this
-    contact count. It stands apart so that what is left of the loop is that of walls without bodies. */
+    contact count. It is a separate function so that the rest of the loop is that of walls without bodies. */
 template <bool SIZES, bool SPIN, class Law>
 [[gnu::noinline]] WallForce<double> body_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view,
                                                const DiscAtWall &body_meets, const AtWall<double> &at, WallHistory history)

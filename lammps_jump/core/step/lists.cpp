@@ -253,9 +253,9 @@ int64_t jump_outside(int64_t n, const double *x, const double *y, const double *
   FIELD(int32_t *, owner) FIELD(double *, shift) FIELD(int32_t *, right)
 JUMP_INPUT(jump_image_rows, JUMP_IMAGE_ROWS)
 
-/** Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
+/** Pairs across the seam of a periodic channel: a row for each disc near its left end, after the n others.
 
-    The row's disc stands a period further on. reach: of the list, the largest of centres, left end, period. `right`
+    The row's disc is a period further on. reach: of the list, the largest of centres, left end, period. `right`
     is room for the discs near the other end. Returns the number of rows, or -1 where there is no room. */
 JUMP_API int64_t jump_image_rows(const jump_image_rows_input *input)
 {

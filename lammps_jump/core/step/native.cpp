@@ -90,7 +90,7 @@ static int64_t drift(const jump_state &s, ThreadPartition &partition)
   return end_drift(s, partition);
 }
 
-/** Forces, and the drift behind them. Threads meet once: what others read of a disc is written to the other rows. */
+/** Forces, and the drift after them. Threads meet once: what others read of a disc is written to the other rows. */
 static int64_t forces_and_drift(const jump_state &s, ThreadPartition &partition)
 {
   if (partition.parts.size() == 1 || s.omega || s.corners) {    // spins have no rows

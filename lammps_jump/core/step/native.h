@@ -126,7 +126,7 @@ struct jump_state {
   int8_t *near_plain;
   int64_t *near_last, *near_faces;
   jump::SumsOnWall *wall_sum;
-  // moving walls; moving NULL: all stand
+  // moving walls; moving NULL: all are at rest
   const jump::TrackRow *track;
   const int64_t *track_first;
   int64_t *moving;
@@ -158,7 +158,7 @@ struct jump_state {
   const jump::BodyLaw *between;   // by the walls of a corner and of a face
   double *deepest;                // largest overlap since it was looked at, m, the walls of its corner and of its face
   jump_lists *lists;              // NULL: lists are made anew by the caller alone
-  jump_pressed *pressed;          // NULL: no pressure is asked for
+  jump_pressed *pressed;          // NULL: no pressure is requested
 };
 
 struct jump_stations {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* What pairs remember while steps are made: their springs stand in the order of the list of pairs, so that no step looks for a slot.
+/* What pairs remember while steps are made: their springs are in the order of the list of pairs, so no step looks for a slot.
 
    Slots (contact/contact.h) are the form that lasts: hosts, sums and sorting of the discs know them alone. `begin` takes the
    springs of pairs out of the slots, `end` puts them back. Between the two, slots hold contacts with walls alone. */
@@ -42,7 +42,7 @@ class PairMemory {
     at_walls.clear();
   }
 
-  /** See which discs are near walls, behind `begin` and where they are listed anew. */
+  /** See which discs are near walls, after `begin` and where they are listed anew. */
   void see_walls(const jump_state &s)
   {
     if (!goes_on) return;

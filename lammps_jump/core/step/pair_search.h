@@ -2,7 +2,7 @@
 /* Pairs of discs that are close, found by cells: the lists of the native engine and of the plugin.
 
    Discs are sorted by cell, so that the candidates of a disc are two stretches of memory. A partition shares the work among its threads;
-   what is found is the same for any number of them. */
+   the result is the same for any number of them. */
 
 #ifndef JUMP_CORE_PAIR_SEARCH_H
 #define JUMP_CORE_PAIR_SEARCH_H
@@ -140,7 +140,7 @@ template <class Numbers> class RowsOf {
 
   int64_t cell(int64_t i) const { return cell_of(work.sorted[(size_t) i]); }
 
-  /** First disc from `from` on in this cell or behind it. */
+  /** First disc from `from` on in this cell or after it. */
   int64_t first_from(int64_t from, int64_t wanted) const
   {
     const auto begin = work.sorted.begin();

@@ -19,7 +19,7 @@ template <int ROOM> struct SummedBatch : ContactBatch<ROOM> {
   int64_t row[ROOM];
 };
 
-/** … of which forces and their lost parts are asked for. */
+/** … of which forces and their lost parts are requested. */
 struct BatchWithLosses : SummedBatch<BATCH> {
   alignas(64) Column fx, fy, dashpot_x, dashpot_y, tangential_x, tangential_y;
   alignas(64) double given[BATCH][4];      // force and its lost part
@@ -88,7 +88,7 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   {
   }
 
-  /** Rows that are the part's own, with second discs behind the first that are its own too. */
+  /** Rows that are the part's own, with second discs after the first that are its own too. */
   void inside()
   {
     if constexpr (LOSSES) return inside_by_rows();

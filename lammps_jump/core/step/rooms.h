@@ -69,7 +69,7 @@ class Rooms {
     s.n = left;
   }
 
-  /** Zeros in all arrays of the disc behind the last. */
+  /** Zeros in all arrays of the disc after the last. */
   static void clear_next(const jump_state &s)
   {
     for (int64_t k = 0; k < s.lists->all_columns; k++)

@@ -23,7 +23,7 @@ struct ForcesAlone {
   using Batch = struct BatchOfForces;
 };
 
-/** Rows of the list: those that are sorted, and those behind them, of newcomers and of discs beyond a seam or a cut. */
+/** Rows of the list: those that are sorted, then those of newcomers and of discs beyond a seam or a cut. */
 enum ListRows { ALL_ROWS, SORTED_ROWS, ROWS_BEHIND };
 
 /** Add the forces of touching pairs to the discs of a part; `slope` is that of the sign law (`slope_of`). Discs of other ranks, whose
@@ -58,7 +58,7 @@ enum : int64_t { LISTED = -1, AT_SEAM = -3 };
     domain, or LISTED or NO_ROOM. A NaN is outside; then nothing is changed. */
 int64_t list_pairs(jump_state &s, const jump_lists &lists, ThreadPartition &partition);
 
-/** Rows behind those of the sorted discs: those of other ranks, `others` of them with numbers from s.n on, that each of the state's
+/** Rows after those of the sorted discs: those of other ranks, `others` of them with numbers from s.n on, that each of the state's
     discs may touch. `at` has the places of all. False where there is no room for the pairs. */
 bool list_across(jump_state &s, const jump_lists &lists, int64_t others, const double (*at)[4], Rooms &rooms);
 

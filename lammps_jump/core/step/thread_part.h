@@ -2,7 +2,7 @@
 /* Stretches of discs that threads take: each thread adds to the discs of its own part alone.
 
    Discs are sorted by cell, and rows of the list by disc. A part repeats the earlier rows that reach into it, for its own
-   discs alone, then does its rows without what falls on later parts' discs, then the rows behind those of the sorted
+   discs alone, then does its rows without what falls on later parts' discs, then the rows after those of the sorted
    discs (images, newcomers) as far as they touch its own. So every sum has the order of one thread, for any number of
    parts, and only pairs across a cut are done twice. */
 
@@ -39,10 +39,10 @@ class PairMemory;
 
 struct alignas(128) ThreadPart {
   int64_t begin = 0, end = 0;    // its discs
-  int64_t sorted = 0;            // rows of the list that are sorted; others stand behind them
+  int64_t sorted = 0;            // rows of the list that are sorted; others come after them
   int64_t first_row = 0;         // first of the rows that may reach into it
   int64_t end_row = 0;           // where its own sorted rows end
-  int64_t end_neighbour = 0;     // behind the last disc that these reach
+  int64_t end_neighbour = 0;     // after the last disc that these reach
   std::vector<int64_t> blocks;   // ends of blocks of those that reach out of it nowhere
   const int32_t *first = nullptr;       // first disc of each pair of the list
   double (*at)[4] = nullptr;            // place and velocity of each disc, as contacts see them
@@ -53,7 +53,7 @@ struct alignas(128) ThreadPart {
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
   std::vector<DissipatedAtWall> dissipated_at_walls;    // of those with walls that move
   std::vector<Ends> walls_end;
-  std::vector<Press> presses;           // of contacts with walls whose pressure is asked for
+  std::vector<Press> presses;           // of contacts with walls whose pressure is requested
   int64_t moved = 0;                    // discs that have gone further than the list allows
   SpeedRange range;                     // of its discs, for a host that makes lists by it
   double weight = 0.0, spent = 0.0;     // of its discs and their pairs; time that it took since it was cut, s

@@ -104,7 +104,7 @@ class ThreadPartition {
   }
   int shares() const { return most((int) parts.size(), 1); }
 
-  /** How far a pair of a sorted row has its second disc behind the first, at most. */
+  /** How far a pair of a sorted row has its second disc after the first, at most. */
   int64_t reach_of(const jump_state &s)
   {
     if (s.listed_as != listed_as || s.sorted != sorted) know(s);
@@ -115,7 +115,7 @@ class ThreadPartition {
   double (*rows())[4] { return rows_of(at[now]); }
   double (*other_rows())[4] { return rows_of(at[1 - now]); }
 
-  /** Rows for so many discs of the state, and `count` of other ranks behind them. */
+  /** Rows for so many discs of the state, and then `count` of other ranks. */
   void make_room_for(int64_t discs, int64_t count)
   {
     others = count;
@@ -126,7 +126,7 @@ class ThreadPartition {
     }
   }
 
-  /** Sort the rows as the last search has sorted the discs; those of other ranks stay behind them. */
+  /** Sort the rows as the last search has sorted the discs; those of other ranks stay after them. */
   void sort_rows(int64_t discs)
   {
     const DiscRow *const from = at[now].data();
@@ -154,7 +154,7 @@ class ThreadPartition {
   int64_t listed_as = -1, sorted = -1;            // the list that is known
   int64_t divided_as = -1, n = -1;                // and that by which discs are divided
   int64_t others = 0;
-  int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
+  int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far after the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
   /** Where a part ended that was divided before, and the time of its work over that of all. */
   struct Past {
@@ -188,7 +188,7 @@ class ThreadPartition {
     reach = *std::max_element(far.begin(), far.end());
   }
 
-  /** Write a row's number for each of its pairs, four at a time: what is behind them is written next, up to `end`. */
+  /** Write a row's number for each of its pairs, four at a time: what comes after is written next, up to `end`. */
   void put_four(int64_t from, int64_t to, int64_t end, int32_t row)
   {
     int32_t *const at = first.data();

@@ -204,7 +204,7 @@ inline void ThreadPool::help(int own)
 
 #endif
 
-/** How many threads a run takes: the number asked for, or what steps of late have shown to be the quickest. */
+/** How many threads a run takes: the number given, or what recent steps have shown to be the quickest. */
 class ThreadTuner {
  public:
   /** Words as of the variable LAMMPS_JUMP_THREADS: a number, or auto:MOST. */
@@ -259,7 +259,7 @@ inline void ThreadTuner::end_step(bool odd)
   if (steps == WINDOW || is_slower) end_window();
 }
 
-/** Whether so many threads have cores of their own now, beside what else runs; true where the system does not tell. */
+/** Whether so many threads have cores of their own now, besides what else runs; true where the system does not say. */
 inline bool have_cores(int threads, int now)
 {
 #ifdef JUMP_ONE_THREAD

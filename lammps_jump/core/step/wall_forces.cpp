@@ -77,7 +77,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
       double *const force = part.forces[i];
       force[0] += out.fx;
       force[1] += out.fy;
-      if (!s.dashpot_x) continue;    // what is lost is not asked for
+      if (!s.dashpot_x) continue;    // what is lost is not requested
       force[2] += out.dashpot * at.nx;
       force[3] += out.dashpot * at.ny;
       if (slides) {

@@ -2,7 +2,7 @@
 /* A box of discs without walls: periodic along x and y, sheared as Lees & Edwards (1972) do, at a held pressure.
 
    studies/fluid/cell.py has the equations. Time levels are those of LAMMPS: x_n, v_(n-1/2), F_n between steps, and the
-   dashpot sees v_(n-1/2). The image of a disc one height further up stands `offset` further along x and is faster by rate
+   dashpot sees v_(n-1/2). The image of a disc one height further up is `offset` further along x and is faster by rate
    times height. */
 
 #include "step/kinds.h"

@@ -13,7 +13,7 @@ namespace jump {
 
 double slope_of(const jump_state &s, const ContactVelocities &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
 
-/** Discs whose contacts are asked for, by a mask; all where it is NULL. A sorted row reaches so many rows on. */
+/** Discs whose contacts are requested, by a mask; all where it is NULL. A sorted row reaches so many rows on. */
 struct Chosen {
   const int8_t *mask = nullptr;
   int64_t reach = 0;
@@ -194,7 +194,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
   sums[FRICTION] -= s.time_step * friction;
 }
 
-/** Radii for the discs with ids above `known`, behind a step and with its forces; what this gives to the energy.
+/** Radii for the discs with ids above `known`, after a step and with its forces; what this gives to the energy.
 
     The velocities of the step stay: the first half of the step's kick is that of the old mass, the second half that of the
     new one. What it gives: kinetic and gravitational energy, the work that dashpots and friction take in the first half, and,

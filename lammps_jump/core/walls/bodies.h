@@ -100,7 +100,7 @@ template <class Run> inline void each_body_contact(const jump_state &s, const Ru
   }
 }
 
-/** The two that share a contact's mass, the smaller number first; all that stands is one, -1. */
+/** The two that share a contact's mass, the smaller number first; all that is at rest is one, -1. */
 inline std::pair<int64_t, int64_t> partners(const jump_state &s, const BodyContact &contact)
 {
   auto [one, other] = walls_of(s, contact);

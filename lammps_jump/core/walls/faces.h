@@ -164,7 +164,7 @@ struct WallFaces {
     return on_line(index, px, py);
   }
 
-  /** The contact with a segment beside which a point is. */
+  /** The contact with a segment that a point faces. */
   FaceContact on_line(int64_t index, double px, double py) const
   {
     const Face &f = faces[index];
@@ -299,7 +299,7 @@ inline bool is_near(const WallFaces &wall, int64_t face, const Extent &box, doub
   return away < reach && (wall.deep || away > -reach);
 }
 
-/** Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough. */
+/** Whether a point faces a straight face, a margin (m) from its ends: its line is then enough. */
 inline bool is_plain(const Face &f, double px, double py, double margin)
 {
   if (f.kind != SEGMENT) return false;

@@ -202,7 +202,7 @@ inline double travel(const Pose &now, const Pose &listed, double far)
   return std::sqrt(dx * dx + dy * dy) + turned;
 }
 
-/** A point as the frame has it in which the wall stands; (cx, cy): point of turning where the case has it, m. */
+/** A point in the frame in which the wall is at rest; (cx, cy): point of turning where the case has it, m. */
 inline void inward(const Placed &wall, double cx, double cy, double &x, double &y)
 {
   const double dx = x - cx - wall.now.x, dy = y - cy - wall.now.y;

@@ -12,7 +12,7 @@ namespace jump {
 
 struct WallInPlace {
   WallFaces faces;
-  const Placed *placed;    // null where it stands
+  const Placed *placed;    // null where it is at rest
   double cx, cy;           // point of turning where the case has it, m
   bool body = false;       // whether it is felt with its mass, at the rims of discs
 
@@ -84,7 +84,7 @@ inline double yielding(const Load &load, const Pushed &pushed, const double *arm
   return yielding(load, pushed, push);
 }
 
-/** What of a disc stands in its contact with a body: kg and kg m^2, per m of width. A fixed disc gives way to nothing. */
+/** What of a disc is in its contact with a body: kg and kg m^2, per m of width. A fixed disc gives way to nothing. */
 struct DiscMass {
   double mass, inertia;
   bool fixed;

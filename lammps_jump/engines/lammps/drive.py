@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""LAMMPS in the engine's process: runs a script to its end, reports, and ends in order where it is asked to."""
+"""LAMMPS in the engine's process: runs a script to its end, reports, and ends in order on request."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def plugin_arguments(plugin: Path | None) -> list[str]:
 
 
 def make_ready(job: Job) -> None:
-    """Clear the folder of what an earlier run has left, or of what a part has left behind its checkpoint."""
+    """Clears the folder of what an earlier run has left, or of what a part has left after its checkpoint."""
     folder = job.folder
     delete(folder / STOP_FILE, folder / END_FILE)
     if job.resume is not None:
@@ -134,12 +134,12 @@ def _report(
         except Exception as error:  # LAMMPS tells an error once, to the first thread that asks
             outcome.error = str(error)
             return
-        found = None
+        progress = None
         if values and "Step" in values:
             step = int(values["Step"])
             threads = threads or _threads_of(job.setting.plugin)
-            found = Progress(step, scene.steps, scene.time(step), int(values["Atoms"]), threads=threads())
-        report(found)
+            progress = Progress(step, scene.steps, scene.time(step), int(values["Atoms"]), threads=threads())
+        report(progress)
 
 
 def _state(engine: Any) -> tuple[Any, ...] | None:

@@ -158,20 +158,20 @@ def _loaded(scene: Scene, folder: Path, step: int) -> dict[str, Pose]:
 
 
 def _closest(scene: Scene, step: int, loaded: dict[str, Pose], ids: np.ndarray, places: np.ndarray) -> str:
-    """The deepest overlap at a step, of two discs or of a disc and a wall that stands then."""
+    """The deepest overlap at a step, of two discs or of a disc and a wall that is there then."""
     finite = np.isfinite(places).all(axis=1)
     names, places = ids[finite], places[finite, :2]
     diameters = scene.diameters(names)
     pair = deepest_overlap(places, diameters)
-    found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
+    overlaps = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
     for wall in scene.walls_at(step, loaded) if len(names) else ():
         distance = wall.distance(*places.T)
         depths = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
         worst = int(np.argmax(depths))
-        found += [(depths[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depths[worst] > 0 else []
-    if not found:
+        overlaps += [(depths[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depths[worst] > 0 else []
+    if not overlaps:
         return ""
-    depth, i, what = max(found)
+    depth, i, what = max(overlaps)
     x, y = places[i]
     return f": {what} near ({x:z.4g}, {y:z.4g}) by {depth:z.3g} m, allowed is 2 d/n = {scene.overlap_limit:z.3g} m"
 
@@ -215,7 +215,7 @@ class SteppingOutcome:
     error : str
         LAMMPS' own message, empty where there is none.
     interrupted : bool
-        The run was asked to end.
+        The run got a request to end.
     unsaved : str
         Why there is no checkpoint, where an interrupted run tells.
     version : str
@@ -246,7 +246,7 @@ def conclude(job: Job, outcome: SteppingOutcome) -> RunResult:
     join_part(folder)
     log = read_log(folder / LOG)
     if log.step >= scene.steps:
-        outcome.interrupted = False  # asked for when there was nothing left to end
+        outcome.interrupted = False  # requested when there was nothing left to end
     result = result_of(job, outcome, log)
     if not outcome.interrupted:
         return result
@@ -308,7 +308,7 @@ def _force_rows(lines: list[str], header: str) -> list[tuple[float, str]]:
 
 
 def result_of(job: Job, outcome: SteppingOutcome, log: LogSummary) -> RunResult:
-    """The result of all parts of a run, from its log and what the stepping left behind."""
+    """The result of all parts of a run, from its log and what the stepping left."""
     scene, resume = job.scene, job.resume
     removed, present = log.removed, log.discs
     if not log.rows:  # it ended before the first line

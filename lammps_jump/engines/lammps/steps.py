@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The commands of a script, with pauses of its runs at which the state is saved; all ranks go through them together.
 
-A pause is no part of the motion: ``run … pre no`` goes on with forces, lists and fixes as they stand. A run with pauses
+A pause is no part of the motion: ``run … pre no`` goes on with the same forces, lists and fixes. A run with pauses
 is the same to the last bit as one without. The restart file is written inside a run (command ``restart``);
 ``write_restart`` would move discs between ranks and leave lists that no longer suit. A restart file holds v_n. The
-velocities of the half step (see `lammps_jump.script.assemble`) lie beside it, in an npz file.
+velocities of the half step (see `lammps_jump.script.assemble`) are stored next to it, in an npz file.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Saver(CheckpointWriter):
         ----------
         step : int
         velocities : dict of ndarray
-            What is stored beside the restart file.
+            What is stored next to the restart file.
         """
         self.tick()
         log = read_log(Path(LOG))
@@ -109,7 +109,7 @@ BED = 1 << 1
 
 
 class Steps:
-    """A part of a run, from its script's first command to its last, or to where it is asked to end.
+    """A part of a run, from its script's first command to its last, or to where a request ends it.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ class Steps:
     def _go_on(self) -> None:
         """Start as an earlier run has ended: with its springs, and forces as velocities of its half step give them.
 
-        LAMMPS evaluates the first forces with the velocities that discs have then. Those of the step are set behind
+        LAMMPS evaluates the first forces with the velocities that discs have then. Those of the step are set after
         them, by a fix that acts at the start alone; the plugin looks at fixes of its name at no other time.
         """
         assert self.scene.earlier is not None
@@ -197,25 +197,25 @@ class Steps:
 
     def _keep_end(self) -> None:
         """Write the state from which another run goes on."""
-        found = self._velocities() if self.engine.get_natoms() else {}
-        if not found:
+        state = self._velocities() if self.engine.get_natoms() else {}
+        if not state:
             return
         count = 4 * self.scene.slots if self.setting.kernel == "compiled" else 0
         slots = np.array(self.engine.gather_concat(f"f_{MOTION}", 1, count)).reshape(-1, count) if count else None
         if self.saver is None:
             return
         names = ("vx", "vy", "spin")
-        columns = {"id": found["id"], "x": found["x"], "y": found["y"], "diameter": 2.0 * found["radius"]}
-        columns |= dict(zip(names, found["whole"].T, strict=True))
-        columns |= {f"half_{name}": values for name, values in zip(names, found["half"].T, strict=True)}
+        columns = {"id": state["id"], "x": state["x"], "y": state["y"], "diameter": 2.0 * state["radius"]}
+        columns |= dict(zip(names, state["whole"].T, strict=True))
+        columns |= {f"half_{name}": values for name, values in zip(names, state["half"].T, strict=True)}
         parts = None
         if slots is not None:
-            partner, *springs = np.split(slots[found["order"]], len(SLOTS), axis=1)
+            partner, *springs = np.split(slots[state["order"]], len(SLOTS), axis=1)
             parts = np.ascontiguousarray(partner).view(np.int64), *springs
         write_ended(Path(END_FILE), ended(self.scene, self._step, columns, parts, walls=self._pushed()))
 
     def _pushed(self) -> PushedWalls:
-        """Walls whose pose is state, as the plugin's fix hands them out behind the numbers of the probes."""
+        """Walls whose pose is state, as the plugin's fix hands them out after the numbers of the probes."""
         scene = self.scene
         if not scene.lids:
             return PushedWalls()
@@ -224,8 +224,8 @@ class Steps:
         count = PUSHED_WORDS * len(scene.lids) + len(SLOTS) * CORNER_SLOTS * corner_count
         words = np.array([self.engine.extract_fix(MOTION, 0, 1, behind + k) for k in range(count)])  # 0, 1: a vector
         rows: dict[str, dict[str, Any]] = {}
-        told, held = np.split(words, [PUSHED_WORDS * len(scene.lids)])
-        for name, row in zip(scene.lids, told.reshape(-1, PUSHED_WORDS), strict=True):
+        pushed_words, held = np.split(words, [PUSHED_WORDS * len(scene.lids)])
+        for name, row in zip(scene.lids, pushed_words.reshape(-1, PUSHED_WORDS), strict=True):
             parts = dict(zip(("place", "speed", "half", "before", "force"), np.split(row[1:16], 5), strict=True))
             looked = {} if np.isnan(row[16]) else {"area": row[16], "since": row[17]}
             rows[name] = {"released": bool(row[0]), **parts, **looked}
@@ -326,7 +326,7 @@ class Steps:
     def _velocities(self) -> dict[str, np.ndarray]:
         """Ids, places, radii, velocities and spin of all discs: of the step, and of its half step."""
         shapes = {"x": 3, "v": 3, "f": 3, "omega": 3, "torque": 3, "rmass": 1, "radius": 1}
-        found = {
+        state = {
             name: np.array(self.engine.gather_concat(name, 1, count)).reshape(-1, count)
             for name, count in shapes.items()
         }
@@ -334,10 +334,10 @@ class Steps:
         # the compiled kernel keeps gravity out of the forces, unless a pour needs LAMMPS' own
         outside = self.setting.kernel == "compiled" and not self.scene.pours
         gravity = np.array(self.scene.gravity if outside else (0.0, 0.0))
-        mass, radius, dt = found["rmass"], found["radius"], self.scene.time_step
-        whole = np.column_stack([found["v"][:, :2], found["omega"][:, 2]])
-        kick = 0.5 * dt * (found["f"][:, :2] / mass + gravity)
-        turn = dt * found["torque"][:, 2:] / (mass * radius**2)  # I = m R^2 / 2
+        mass, radius, dt = state["rmass"], state["radius"], self.scene.time_step
+        whole = np.column_stack([state["v"][:, :2], state["omega"][:, 2]])
+        kick = 0.5 * dt * (state["f"][:, :2] / mass + gravity)
+        turn = dt * state["torque"][:, 2:] / (mass * radius**2)  # I = m R^2 / 2
         if not self.scene.rotation:
             turn *= 0.0
         if self.scene.fixed:  # they stay, whatever pushes them
@@ -345,7 +345,7 @@ class Steps:
         order = np.argsort(ids)
         return {
             "order": order,
-            **{"id": ids[order], "x": found["x"][order, 0], "y": found["x"][order, 1], "radius": radius[order, 0]},
+            **{"id": ids[order], "x": state["x"][order, 0], "y": state["x"][order, 1], "radius": radius[order, 0]},
             **{"whole": whole[order], "half": (whole - np.column_stack([kick, turn]))[order]},
         }
 

@@ -40,7 +40,7 @@ class StepConstants(NamedTuple):
 class Pairs(NamedTuple):
     """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row.
 
-    In a periodic channel `shift` (m) is what a row adds to x of its disc: rows of images stand behind the others.
+    In a periodic channel `shift` (m) is what a row adds to x of its disc: rows of images follow the others.
     The first `sorted` rows are those of their numbers, with neighbours of higher numbers, which ascend. They change
     where `listed_as` does.
     """
@@ -105,7 +105,7 @@ class Moves(NamedTuple):
     Attributes
     ----------
     track, first : ndarray
-        Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
+        Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall at rest.
     moving : ndarray of int64, shape (walls,)
         A `WallMotion`.
     centre : ndarray, shape (walls, 2)
@@ -148,7 +148,7 @@ class Memory(NamedTuple):
     ids : ndarray of int64
         Of the discs.
     chain : ndarray of int64, shape (faces,)
-        What stands for the chain of a face in the slots (`lammps_jump.physics.law`).
+        What represents the chain of a face in the slots (`lammps_jump.physics.law`).
     around : ndarray, shape (faces,)
         Length of the chain of a face where it is closed, else 0, m.
     full : ndarray of int64, shape (1,)
@@ -171,7 +171,7 @@ class BodyState(NamedTuple):
     Attributes
     ----------
     corner : ndarray, shape (corners,)
-        Records `CORNER`, each in the frame in which its wall stands.
+        Records `CORNER`, each in the frame in which its wall is at rest.
     between : ndarray, shape (walls, walls, numbers + 1)
         Contact of a corner of the first wall with a face of the second: `LawNumbers` with dashpot and slope of the
         viscous ramp over the root of the effective mass; what the dashpot is less, as it sees the half step.
@@ -335,7 +335,7 @@ class Loops(Protocol):
         """
 
     def contacts(
-        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, rows: np.ndarray
     ) -> int:
         """List the contacts with the forces of the velocities that they have `seen`; -1 where the arrays are too short.
 
@@ -345,7 +345,7 @@ class Loops(Protocol):
         """
 
     def give_sizes(self, state: State, known: int, own: np.ndarray) -> float:
-        """Radii ``own[id - known - 1]`` (m) for the discs with ids above `known`, behind a step and with its forces.
+        """Radii ``own[id - known - 1]`` (m) for the discs with ids above `known`, after a step and with its forces.
 
         The velocities of the step stay: the first half of the step's kick is that of the old mass, the second half
         that of the new one. Returns what this gives to the energy (J per m of width).

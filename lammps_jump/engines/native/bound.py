@@ -433,11 +433,11 @@ class Core:
         return energy, worst.value, where[0], where[1]
 
     def contacts(
-        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, rows: np.ndarray
     ) -> int:
         """As `Loops.contacts`."""
         velocities = (jump_velocities(*map(address, one)) for one in (at_step, seen))
-        return _contacts(self._bind(state), *map(byref, velocities), address(who), address(found), len(who))
+        return _contacts(self._bind(state), *map(byref, velocities), address(who), address(rows), len(who))
 
     def give_sizes(self, state: State, known: int, own: np.ndarray) -> float:
         """As `Loops.give_sizes`."""
@@ -464,9 +464,9 @@ class Core:
         """As `Loops.list_pairs`."""
         bound = self._bind(state)
         self._state.lists = addressof(self._lists)
-        found = _list_pairs(bound, self._partition)
+        is_complete = _list_pairs(bound, self._partition)
         state.discs.sorted_rows, state.discs.listed_as = self._state.sorted, self._state.listed_as
-        return found
+        return is_complete
 
     def closest(self, discs: Any, x: float, y: float) -> float:
         """As `Loops.closest`."""

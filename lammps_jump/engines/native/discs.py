@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.core.library import copied
 from lammps_jump.dump.ended import check_list
-from lammps_jump.scene.scene import Earlier, Scene
+from lammps_jump.scene.scene import EarlierState, Scene
 
 from .arrays import LISTED, Loops, Pairs, State
 
@@ -21,7 +21,7 @@ ROUND = 1e-13
 """Difference of velocities that is round-off, over d/dt."""
 
 
-def starting(scene: Scene, earlier: Earlier) -> np.ndarray:
+def starting(scene: Scene, earlier: EarlierState) -> np.ndarray:
     """Velocity (m/s) and spin (rad/s) at the start of discs that come from an earlier run, by id, shape (n, 3)."""
     return np.column_stack([scene.velocities, earlier.spins])
 
@@ -60,7 +60,7 @@ def columns_of(scene: Scene, *, ledger: bool) -> dict[str, DiscArray | None]:
     return {name: column if there else None for names, column, there in groups for name in names.split()}
 
 
-class Newcomer(NamedTuple):
+class EnteringDisc(NamedTuple):
     """A disc that enters: its id, place (m) and velocity (m/s)."""
 
     id: int
@@ -185,7 +185,7 @@ class DiscArrays:
                     getattr(self, name)[: self.n] = values
 
     def listed(self, pairs: Pairs) -> dict[str, np.ndarray]:
-        """The neighbour list as it stands, by the names of `put_list`."""
+        """The present neighbour list, by the names of `put_list`."""
         images = {} if self.owner is None or self.shift is None else {"owner": self.owner, "shift": self.shift}
         return {"start": pairs.start[: pairs.rows + 1], "discs": pairs.neighbours[: pairs.start[pairs.rows]], **images}
 
@@ -221,14 +221,14 @@ class DiscArrays:
         self.put_list(**{name[5:]: array for name, array in exact.items() if name.startswith("list_")})
         return True
 
-    def see_half_step(self, scene: Scene, earlier: Earlier) -> None:
+    def see_half_step(self, scene: Scene, earlier: EarlierState) -> None:
         """Take the velocities that the last forces of the earlier run saw."""
         self.set_velocities(np.where(np.isnan(earlier.half), starting(scene, earlier), earlier.half))
         for name in ("ux", "uy", "uomega"):
             if name in (self.before.dtype.names or ()) and name in self.columns:
                 getattr(self, name)[: self.n] = self.before[name]
 
-    def keep_bits(self, scene: Scene, earlier: Earlier, kicks: tuple[Any, Any]) -> None:
+    def keep_bits(self, scene: Scene, earlier: EarlierState, kicks: tuple[Any, Any]) -> None:
         """Take the bits of the run whose lists were taken, where half step and force are its own but for round-off.
 
         `kicks` are `half_kicks`, by which a force is held against a velocity.
@@ -324,8 +324,10 @@ class DiscArrays:
         self.owner, self.shift = owner[:rows], shift[:rows]
         return rows >= 0
 
-    def append(self, new: Newcomer, weight: tuple[float, float], skin: float, diameter: float) -> None:
-        """Add a `Newcomer` behind the others, with its row of the list up to a skin (m); `weight` (N) begins its force.
+    def append(self, new: EnteringDisc, weight: tuple[float, float], skin: float, diameter: float) -> None:
+        """Adds an `EnteringDisc` after the others, with its row of the list up to a skin (m).
+
+        `weight` (N) begins its force.
 
         It has this diameter (m).
         """

@@ -129,7 +129,7 @@ class EnginePart:
     Attributes
     ----------
     between_steps : bool
-        Whether the stepping stands between two steps: an interruption that did not wait may leave arrays half sorted,
+        Whether the stepping is between two steps: an interruption that did not wait may leave arrays half sorted,
         or half a frame.
     """
 
@@ -252,7 +252,7 @@ class EnginePart:
         """Go on from here with another scene, whose past is the same; springs, lists and sums stay as they are."""
         assert self.folder is not None and self.between_steps
         self.scene, old = scene, self.simulation
-        with staging(self.folder) as stage:  # a state beside the others would take the place of a checkpoint's
+        with staging(self.folder) as stage:  # a state next to the others would take the place of a checkpoint's
             save_state(old, stage / "state.npz")
             self.simulation = load_state(scene, stage / "state.npz", ledger=old.ledger_on, loops=old.loops)
         if self.checkpoints is not None:

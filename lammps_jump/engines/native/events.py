@@ -22,7 +22,7 @@ from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
 
 from .bound import WINDOW_WIDTH, address, jump_events, jump_inlet, jump_outlet, jump_tailgate
-from .discs import DiscArrays, Newcomer
+from .discs import DiscArrays, EnteringDisc
 from .walls import Walls
 
 
@@ -148,15 +148,15 @@ class OpenBoundaries:
             mask = gone if mask is None else mask | gone
         return mask if mask is not None and mask.any() else None
 
-    def arrivals(self, step: int, discs: DiscArrays, loaded: Mapping[str, Pose]) -> Iterator[Newcomer]:
-        """Discs that enter at this step: yields a `Newcomer`; the caller adds each before it takes the next.
+    def arrivals(self, step: int, discs: DiscArrays, loaded: Mapping[str, Pose]) -> Iterator[EnteringDisc]:
+        """Discs that enter at this step: yields a `EnteringDisc`; the caller adds each before it takes the next.
 
         `loaded` are the poses of walls that the discs push.
         """
         for row, state in zip(self.scene.inlets, self.rows, strict=True):
             if state.due(step) and discs.is_free(row.x, row.y, row.clearance):
                 state.entered += 1
-                yield Newcomer(self._new_id(), row.x, row.y, row.speed_at(step), row.vy)
+                yield EnteringDisc(self._new_id(), row.x, row.y, row.speed_at(step), row.vy)
         for state in self.pours:
             if not state.due(step):
                 continue
@@ -166,7 +166,7 @@ class OpenBoundaries:
                     continue
                 state.entered += 1
                 wanted -= 1
-                yield Newcomer(self._new_id(), x, y, 0.0, vy)
+                yield EnteringDisc(self._new_id(), x, y, 0.0, vy)
                 if wanted == 0:
                     break
 
@@ -200,7 +200,7 @@ class Tailgates:
 
     def move(self, step: int, discs: DiscArrays, walls: Walls) -> None:
         """Let the gates whose turn it is look at the discs that move, and give them their speeds."""
-        n, poses, found = discs.n, walls.poses(), {}
+        n, poses, speeds = discs.n, walls.poses(), {}
         area = (
             np.full(n, self.scene.diameter * self.scene.diameter)
             if discs.radius is None
@@ -215,8 +215,8 @@ class Tailgates:
             seen, total = gate_sees(holding, gate_areas(holding, discs.x[:n], area))
             lost = (self.areas.get(name, total) - total) / interval
             self.areas[name] = total
-            found[name] = gate_speed(holding, poses[name].y, seen, lost, interval)
-        walls.set_speeds(found)
+            speeds[name] = gate_speed(holding, poses[name].y, seen, lost, interval)
+        walls.set_speeds(speeds)
 
     def looked(self, name: str, step: int) -> dict[str, float]:
         """Area that a gate has seen last (m^2), and the time since then (s); nothing of another wall or before."""
@@ -249,7 +249,7 @@ class Windows:
     bodies : list of (step, name, numbers)
         Rows of ``bodies.csv``.
     pressed : list of (step, ndarray)
-        Mean of `PressedSums.sums` over each window, all stretches behind each other.
+        Mean of `PressedSums.sums` over each window, all stretches one after the other.
     """
 
     def __init__(self, scene: Scene):
@@ -290,7 +290,7 @@ class Windows:
         self.see_bodies(step, walls, forces, placed)
 
     def press(self, step: int, steps: int, sums: np.ndarray) -> None:
-        """Add the means of a window of so many steps over stretches of outlines; none where no pressure is asked."""
+        """Adds the means of a window of so many steps over stretches of outlines; none without a request."""
         if sums.size:
             self.pressed.append((step, sums / steps))
 
@@ -339,10 +339,10 @@ class SceneEvents:
         ):  # fmt: skip
             setattr(self.bound, name, address(array))
 
-    def _hold(self, found: Any) -> int | None:
+    def _hold(self, item: Any) -> int | None:
         """Address of an array or of structs, which are held as long as the core may read them."""
-        self._held.append(found)
-        return address(found) if isinstance(found, np.ndarray) else addressof(found)
+        self._held.append(item)
+        return address(item) if isinstance(item, np.ndarray) else addressof(item)
 
     def _put_inlets(self) -> None:
         rows, bound = self.simulation.scene.inlets, self.bound

@@ -47,7 +47,7 @@ def narrowed(kind: Any, word: int) -> Any:
 
 def held_by(*owners: Any) -> dict[int, Any]:
     """Arrays of numpy and ctypes that objects of this package hold, by their address."""
-    found: dict[int, Any] = {}
+    kept: dict[int, Any] = {}
     sizes: dict[int, int] = {}
     seen: set[int] = set()
     left = list(owners)
@@ -63,14 +63,14 @@ def held_by(*owners: Any) -> dict[int, Any]:
         else:
             place, size = 0, -1
         if size >= sizes.get(place, 0):  # a view of the first rows begins where the whole does
-            found[place], sizes[place] = one, size
+            kept[place], sizes[place] = one, size
         if isinstance(one, dict):
             left += one.values()
         elif isinstance(one, tuple | list):
             left += one
         elif type(one).__module__.startswith("lammps_jump"):
             left += list(getattr(one, "__dict__", {}).values())
-    return found
+    return kept
 
 
 class Image:

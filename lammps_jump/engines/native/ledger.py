@@ -172,7 +172,7 @@ class EnergyBalance:
         dashpots, friction, walls = map(float, done)
         fallen -= self.start_fallen
         height = now.gravitational + fallen
-        found = {
+        balance_terms = {
             "initial": start.total,
             "kinetic": now.kinetic,
             "gravitational": height,
@@ -182,16 +182,18 @@ class EnergyBalance:
             "dissipated_friction": friction,
         }
         slope = 0.0
-        if "work_of_slope" in found:
-            slope = found["work_of_slope"] = found["work_of_slope"] + fallen
-        gone = found["carried_out"] + found["released_by_gates"] + dashpots + friction
+        if "work_of_slope" in balance_terms:
+            slope = balance_terms["work_of_slope"] = balance_terms["work_of_slope"] + fallen
+        gone = balance_terms["carried_out"] + balance_terms["released_by_gates"] + dashpots + friction
         if walls_move:
-            found["work_of_walls"] = walls
-        brought = found["brought_in"] + walls + slope
-        found["residual"] = now.total + fallen + gone - start.total - brought
+            balance_terms["work_of_walls"] = walls
+        brought = balance_terms["brought_in"] + walls + slope
+        balance_terms["residual"] = now.total + fallen + gone - start.total - brought
         moved = abs(start.gravitational - height)
-        found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls) + abs(slope)
-        return found
+        balance_terms["throughput"] = (
+            start.kinetic + start.elastic + moved + abs(balance_terms["brought_in"]) + abs(walls) + abs(slope)
+        )
+        return balance_terms
 
 
 MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD = StationSum
@@ -218,32 +220,32 @@ class StationLedger:
 
     def next_after(self, step: int) -> float:
         """Step at which `add` sees the discs next, after `step`; infinite for never."""
-        found = self.stations
-        if found is None or step >= found.last_step:
+        stations = self.stations
+        if stations is None or step >= stations.last_step:
             return inf
-        return max(found.first_step, step + 1)
+        return max(stations.first_step, step + 1)
 
     def add(self, step: int, state: State) -> None:
         """Take in the discs at a step of `next_after`, with its forces and the pairs that they were made with."""
-        found = self.stations
-        assert found is not None  # else `next_after` names no step
-        left = found.x[0] + found.speed * (step - found.first_step) * self.scene.time_step
-        moved, pushed = step > found.first_step, step < found.last_step
-        at = StationStep(left, found.x[1] - found.x[0], found.speed, moved, pushed)
+        stations = self.stations
+        assert stations is not None  # else `next_after` names no step
+        left = stations.x[0] + stations.speed * (step - stations.first_step) * self.scene.time_step
+        moved, pushed = step > stations.first_step, step < stations.last_step
+        at = StationStep(left, stations.x[1] - stations.x[0], stations.speed, moved, pushed)
         self._loops.between(state, at, self.sums)
-        if step == found.first_step:
+        if step == stations.first_step:
             self.sums[BEGAN] = self.sums[HELD]
 
     def heads(self, step: int) -> dict[str, float]:
         """The budget up to a step: discharge (m^2/s) and heads (m), energies over g and the mass that came in.
 
-        Beside it stand the places at its begin (m), the speed (m/s) and the time (s) of the stations. `lost` is what
+        With it are the places at its begin (m), the speed (m/s) and the time (s) of the stations. `lost` is what
         dashpots and friction take; `residual` is what came in, less stored, less lost.
         """
-        found = self.stations
-        if found is None or step <= found.first_step:
+        stations = self.stations
+        if stations is None or step <= stations.first_step:
             return {}
-        seconds = (min(step, found.last_step) - found.first_step) * self.scene.time_step
+        seconds = (min(step, stations.last_step) - stations.first_step) * self.scene.time_step
         left, right, *energies = self.sums
         mass = left if left + right > 0 else -right  # through the station upstream
         scale = mass * abs(self.scene.gravity[1])
@@ -251,11 +253,11 @@ class StationLedger:
         carried, contacts, walls, dashpots, friction, began, held = map(float, heads)
         storage, lost = held - began, dashpots + friction
         return {
-            "stations_left": found.x[0],
-            "stations_right": found.x[1],
-            "stations_speed": found.speed,
-            "stations_begin": self.scene.time(found.first_step),
-            "stations_end": self.scene.time(min(step, found.last_step)),
+            "stations_left": stations.x[0],
+            "stations_right": stations.x[1],
+            "stations_speed": stations.speed,
+            "stations_begin": self.scene.time(stations.first_step),
+            "stations_end": self.scene.time(min(step, stations.last_step)),
             "stations_discharge": float(mass) / (self.scene.density * seconds),
             "stations_carried": carried,
             "stations_contacts": contacts,

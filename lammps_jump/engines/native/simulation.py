@@ -8,7 +8,7 @@ so that between steps the arrays hold v_(n-1/2) (see `loops`); what this class h
 Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that the thesis' extrapolation
 1.5 v_(n-1/2) - 0.5 v_(n-3/2) has its older value from the first step on. A disc that enters at step n has
 v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick. Where discs are
-not equal it enters with the largest diameter, and gets its own behind a step (`Scene.size_steps`): the first half of
+not equal it enters with the largest diameter, and gets its own after a step (`Scene.size_steps`): the first half of
 that step's kick is that of the largest disc, the second half has the same force on the new mass (LAMMPS' `fix set`).
 
 Constants of the loops come first. `CellSimulation`, last, has the contact search of the thesis.
@@ -62,7 +62,7 @@ class Memories:
         self._held: Memory | None = None
 
     def of(self, discs: Any, walls: Any, full: np.ndarray, time_step: float) -> Memory | None:
-        """The memory of discs beside walls; None where contacts have none.
+        """The memory of discs and walls; None where contacts have none.
 
         `full` takes the id of a disc that has no slot left; springs go on by a time step (s), or stay as they are with
         0.
@@ -195,7 +195,7 @@ class NativeSimulation:
     def _start(self) -> None:
         """Forces of the start, weight included, the velocities of half a step before, and the energy.
 
-        Discs of an earlier run feel the forces that its last step would give them here, with springs as they stand.
+        Discs of an earlier run feel the forces that its last step would give them here, with springs unchanged.
         Where walls and law are the same too, these are its forces, and the run goes on bit for bit.
         """
         d, share = self.discs, shares_of(self.scene, self.discs) / self._share
@@ -256,7 +256,7 @@ class NativeSimulation:
 
         A host that lets more discs in than the scene gives the number of all discs whose radii it needs.
 
-        Their arrays are those of this simulation, which must not step beside that host.
+        Their arrays are those of this simulation, which must not step in parallel with that host.
         """
         assert isinstance(self.loops, Core) and self._events is not None
         self.walls.place(self.step)
@@ -304,9 +304,11 @@ class NativeSimulation:
 
     def _advance(self, steps: int, forces_pending: bool) -> tuple[int, int]:
         self.walls.place(self.step)
-        found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, forces_pending)
+        ended_at = self.loops.advance(
+            self._state(self.scene.time_step if self._started else 0.0), steps, forces_pending
+        )
         self._see_core()
-        return found
+        return ended_at
 
     def _see_core(self) -> None:
         """Count the lists that the core has made, and look for what ends a run."""
@@ -330,7 +332,7 @@ class NativeSimulation:
             raise RunError(f"at t = {self.scene.time(self.step):z.4g} s (step {self.step}) {wrong}.")
 
     def listed_pairs(self) -> Pairs:
-        """The list that stands."""
+        """The present list."""
         return self.discs.pairs
 
     # --- events -------------------------------------------------------------------------------------------------
@@ -420,7 +422,7 @@ class NativeSimulation:
         self.walls.list_discs(self.discs.n, self.discs.x0, self.discs.y0)
 
     def _list_newcomers(self) -> None:
-        """Complete the lists for discs that have rows of their own behind the others."""
+        """Completes the lists for discs that have rows of their own after the others."""
         self._list_walls()
 
     def _elastic(self) -> float:
@@ -488,7 +490,7 @@ class NativeSimulation:
         """(step, wall name, fx, fy, moment) of each window of a probed wall: means, N per m of width.
 
         The moment (N) is about the reference point of the wall. Where walls move, the power of the wall on the discs
-        (W/m) stands behind them.
+        (W/m) follows them.
         """
         return self.windows.forces
 
@@ -499,21 +501,21 @@ class NativeSimulation:
         at_step = vx, vy, None if d.omega is None else spin(scene, d)
         seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
         while count < 0:
-            who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
-            count = self.loops.contacts(self._state(), at_step, seen if self.step else at_step, who, found)
+            who, rows = np.empty((room, 2), np.int64), np.empty((room, 5))
+            count = self.loops.contacts(self._state(), at_step, seen if self.step else at_step, who, rows)
             room *= 2
         names = [wall.name for wall, _ in scene.walls]
         numbers = np.array([0, *(-1 - names.index(name) for name in self.walls.names)])
         other = who[:count, 1]
         other[:] = np.where(other < 0, numbers[np.maximum(-other, 0)], other)
-        return who[:count], found[:count]
+        return who[:count], rows[:count]
 
     def energy(self) -> EnergyNow:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now, with that of loaded walls."""
         self.walls.place(self.step)
-        found = energy_of(self.scene, self.discs, self._elastic())
+        energy_now = energy_of(self.scene, self.discs, self._elastic())
         kinetic, place = self.walls.lid_energy()
-        return EnergyNow(found.kinetic + kinetic, found.gravitational + place, found.elastic)
+        return EnergyNow(energy_now.kinetic + kinetic, energy_now.gravitational + place, energy_now.elastic)
 
     def _half_work(self) -> np.ndarray:
         return half_work(self.scene, self.discs, self.books.work) if self.ledger_on else np.zeros(3)
@@ -524,8 +526,8 @@ class NativeSimulation:
         if not self.ledger_on:
             return None
         moves = self.walls.moves is not None
-        found = self.books.balance(self.energy(), self._half_work(), fallen(self.scene, self.discs), walls_move=moves)
-        return found | self.stations.heads(self.step)
+        terms = self.books.balance(self.energy(), self._half_work(), fallen(self.scene, self.discs), walls_move=moves)
+        return terms | self.stations.heads(self.step)
 
 
 class CellSimulation(NativeSimulation):
@@ -566,7 +568,7 @@ class CellSimulation(NativeSimulation):
         self._constants = self._constants._replace(motion=motion)
 
     def listed_pairs(self) -> Pairs:
-        """The list that stands."""
+        """The present list."""
         assert self._grid is not None  # `__init__` has made it
         return Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 

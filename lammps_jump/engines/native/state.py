@@ -2,7 +2,7 @@
 """The whole state of a native simulation in a file: one that is read back goes on bit for bit as the other would have.
 
 Between steps nothing is left out that the next step reads: velocities of the half step and of the one before, forces,
-the order of the discs in memory and the neighbour lists as they stand (both decide the order of sums), open windows of
+the order of the discs in memory and the present neighbour lists (both decide the order of sums), open windows of
 the probes, the turns of the inlets, the random generator of a pour, and the energy ledger.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BaseModel, Field, NonNegativeFloat
 
 from lammps_jump.core.columns import Phase, PlacedColumns, PushedColumns, WallMotion
-from lammps_jump.dump.ended import BITS, Ended, ended
+from lammps_jump.dump.ended import BITS, DiscsAtTime, ended
 from lammps_jump.dump.walls import PushedWalls, pushed_walls
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
@@ -36,7 +36,7 @@ Count = Annotated[int, Field(ge=0, le=1 << 53)]
 
 
 class Plain(BaseModel, strict=True, extra="forbid"):
-    """Content of a file of a state beside its arrays: counts, sums, rows of forces, the random generator."""
+    """Content of a file of a state, without its arrays: counts, sums, rows of forces, the random generator."""
 
     n: Count
     step: Count
@@ -58,7 +58,7 @@ class Plain(BaseModel, strict=True, extra="forbid"):
 
 
 def save_state(simulation: NativeSimulation, path: Path) -> None:
-    """Write a simulation that stands between two steps to an npz file.
+    """Writes a simulation that is between two steps to an npz file.
 
     Parameters
     ----------
@@ -190,16 +190,16 @@ def _load_discs(discs: DiscArrays, n: int, stored: Mapping[str, np.ndarray]) -> 
     discs.n = n
     for name in discs.columns:
         held = getattr(discs, name)[:n]
-        found = stored[name]
-        if found.shape != held.shape or found.dtype != held.dtype:
-            raise ValueError(f"{name}: {found.shape} {found.dtype} in place of {held.shape} {held.dtype} numbers")
+        array = stored[name]
+        if array.shape != held.shape or array.dtype != held.dtype:
+            raise ValueError(f"{name}: {array.shape} {array.dtype} in place of {held.shape} {held.dtype} numbers")
         held[:] = stored[name]
     names = ("start", "discs", *(("owner", "shift") if discs.period is not None else ()))
     discs.put_list(**{name: stored[f"list_{name}"] for name in names})
 
 
 def fingerprint(discs: DiscArrays) -> str:
-    """SHA-256 of a state: ids, places, velocities and spins of all discs as they stand in memory, in the order of ids.
+    """SHA-256 of a state: ids, places, velocities and spins of all discs as they are in memory, in the order of ids.
 
     Numbers are float64, little-endian, without minus zero; velocities and spins are those between two steps. A page
     that computes a run again has the same (``live/again.js``).
@@ -210,8 +210,8 @@ def fingerprint(discs: DiscArrays) -> str:
     return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
-def ended_of(simulation: NativeSimulation) -> Ended:
-    """The state of a simulation that stands between two steps, from which another run goes on.
+def ended_of(simulation: NativeSimulation) -> DiscsAtTime:
+    """The state of a simulation that is between two steps, from which another run goes on.
 
     The order in memory and the lists are there too: they decide the order of sums.
     """
@@ -233,8 +233,11 @@ def ended_of(simulation: NativeSimulation) -> Ended:
         own[name] = array
     exact = {f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()}
     exact |= {"discs": own, "skin": np.array(simulation.skin), "period": np.array(d.period or 0.0)}
-    behind = rows[n - int(bed.sum()) :]
-    exact |= {"fixed": np.column_stack([d.x[:n], d.y[:n]])[behind], "fixed_diameters": columns["diameter"][behind]}
+    late_rows = rows[n - int(bed.sum()) :]
+    exact |= {
+        "fixed": np.column_stack([d.x[:n], d.y[:n]])[late_rows],
+        "fixed_diameters": columns["diameter"][late_rows],
+    }
     return ended(scene, simulation.step, columns, slots, exact, _pushed(simulation))
 
 

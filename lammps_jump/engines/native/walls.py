@@ -29,7 +29,7 @@ from lammps_jump.physics.law import Slots
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST, FaceGrid, grid_of
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
-from lammps_jump.scene.motion import Motion, MovingWall, Pose, Went, at_seam
+from lammps_jump.scene.motion import Motion, MovingWall, Pose, WallState, at_seam
 from lammps_jump.scene.scene import Scene
 
 from .arrays import CORNER, BodyState, Constants, Loops, Memory, Moves, Near, Pairs, PressedSums, State
@@ -125,10 +125,10 @@ class Bodies:
             if memory is not None:
                 slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
                 own = memory._replace(slots=slots, ids=d.ids, full=self._full)
-            beside = CornersBeside(
+            corners_beside = CornersBeside(
                 self._faces, self._gone, self.near, walls.moves, walls.chain, walls.around, self._sums
             )
-            corners = State(d, self._pairs, beside, constants, own, self._work)
+            corners = State(d, self._pairs, corners_beside, constants, own, self._work)
             bodies = BodyState(self.corner, self.between, self.deepest, corners, self.grid, self.meets)
             self._held = held = constants, memory, self.near, bodies
         return held[3]
@@ -291,7 +291,7 @@ class Walls:
     faces : Faces
     near : Near
     moves : Moves or None
-        None where all walls stand.
+        None where all walls are at rest.
     chain, around : ndarray, shape (faces,)
         As in `Memory`.
     bodies : Bodies or None
@@ -299,7 +299,7 @@ class Walls:
     sums : ndarray, shape (walls, 4)
         `SumsOnWallColumns`, per m of width.
     pressed : PressedSums or None
-        None where no pressure is asked for.
+        None where no pressure is requested.
     """
 
     def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
@@ -335,7 +335,7 @@ class Walls:
         if self.moves is not None:
             self.moves.moving[self.gone == 1] = WallMotion.STANDS
 
-    def end_start(self, begun: Mapping[str, Went], limit: float) -> None:
+    def end_start(self, begun: Mapping[str, WallState], limit: float) -> None:
         """Speeds of the half step before the start of walls that go on, from that of the step and the force there.
 
         Where both are those of the earlier run but for round-off, `limit` (m/s), it takes the bits of that.
@@ -453,7 +453,7 @@ class Walls:
         return kinetic, place
 
     def _inward(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Discs as the frame has them in which a wall stands; its pose is then that of the list."""
+        """Discs in the frame in which a wall is at rest; its pose is then that of the list."""
         if self.moves is None or not self.moves.moving[wall]:
             return x, y
         (cx, cy), now = self.moves.centre[wall], self.moves.now[wall]
@@ -514,7 +514,7 @@ class Walls:
 
     @property
     def listed(self) -> dict[str, np.ndarray]:
-        """The lists as they stand, without their room."""
+        """The present lists, without their room."""
         return _lists_of(self.near)
 
     def put(self, rows: ArrayLike, discs: ArrayLike, plain: ArrayLike, last: ArrayLike, faces: ArrayLike) -> None:
@@ -529,7 +529,7 @@ class Walls:
 
     @property
     def listed_corners(self) -> dict[str, np.ndarray]:
-        """The lists of corners as they stand; empty without bodies."""
+        """The present lists of corners; empty without bodies."""
         return {} if self.bodies is None else _lists_of(self.bodies.near)
 
     def put_corners(self, lists: Mapping[str, ArrayLike]) -> None:
@@ -549,11 +549,11 @@ def _list_near(
             continue
         places = seen(wall)
         while True:
-            found = loops.list_near(places, wall, walls.faces, grid, near, (row, count))
-            if found[1] >= 0:
+            counts = loops.list_near(places, wall, walls.faces, grid, near, (row, count))
+            if counts[1] >= 0:
                 break
             near = _with_room(near, 2 * len(near.discs) + 256, 2 * len(near.faces) + 4 * len(grid.faces) + 256)
-        row, count = found
+        row, count = counts
         near.rows[wall + 1] = row
     return near
 
@@ -569,7 +569,7 @@ def _with_room(near: Near, rows: int, faces: int) -> Near:
 
 
 def _lists_of(near: Near) -> dict[str, np.ndarray]:
-    """Lists as they stand, without their room."""
+    """The present lists, without their room."""
     rows = near.rows[-1]
     last = near.last[: rows + 1]
     listed = {"rows": near.rows, "discs": near.discs[:rows], "plain": near.plain[:rows]}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* What of the core's step the plugin is host to, beside the forces of pairs. */
+/* What of the core's step the plugin is host to, other than the forces of pairs. */
 
 #include "step/pair_search.h"    // before the core: its templates take vectors
 

@@ -151,7 +151,7 @@ bool FixJumpInlet::insert(const EntryRow &row, tagint id)
   const int before = atom->nlocal, type = 1;
   const bigint all = atom->natoms;
   const double x[3] = {row.x, row.y, 0.0}, v[3] = {row.speed_at(update->ntimestep), row.vy, 0.0};
-  atom->nghost = 0;    // a new disc takes the place behind the own ones
+  atom->nghost = 0;    // a new disc takes the place after the own ones
   lammps_create_atoms(lmp, 1, &id, &type, x, v, nullptr, 0);
   if (atom->nlocal > before) {
     atom->radius[before] = 0.5 * diameter;

@@ -6,7 +6,7 @@
    than NEAR, or MOST discs have come by this row (0: any number). Rows of the same step come in their order. A disc gets
    the id above the highest one. The discs of a restart file count.
 
-   A row whose EVERY is 0 lets discs in at the steps that FILE names, with the VX that stands there: an inflow against
+   A row whose EVERY is 0 lets discs in at the steps that FILE names, with the VX given there: an inflow against
    time. A line of FILE is the number of the row, from 1, the step, and VX. The steps of a row rise.
 
    `fix deposit` allocates memory for each disc that it compares (the name of its source file, for

@@ -20,7 +20,7 @@
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise).
 
    Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width;
-   where any wall moves, the power of the probed wall on the discs (W) behind them. Behind the probes stands the state of each
+   where any wall moves, then the power of the probed wall on the discs (W). After the probes comes the state of each
    lid, gate and body (`pushed_state`), and what corners remember. A restart begins a new window and keeps the lids. */
 
 #ifndef LMP_FIX_JUMP_STEP_H

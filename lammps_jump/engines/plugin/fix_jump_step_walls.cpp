@@ -270,7 +270,7 @@ void FixJumpStep::write_contacts()
     error->one(FLERR, "fix jump/step: the file {} of contacts cannot be written", contacts.file);
 }
 
-/** Rows of the walls that discs push, behind those that are there. */
+/** Rows of the walls that discs push, after those that are there. */
 void FixJumpStep::write_poses() const
 {
   if (comm->me != 0) return;
@@ -413,7 +413,7 @@ int FixJumpStep::pack_restart(int i, double *to)
   return size_restart(i);
 }
 
-/** The numbers of this fix stand behind those of the `nth` fixes before it, each led by its count. */
+/** The numbers of this fix come after those of the `nth` fixes before it, each led by its count. */
 void FixJumpStep::unpack_restart(int i, int nth)
 {
   const double *from = atom->extra[i];

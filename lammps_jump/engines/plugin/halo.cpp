@@ -15,7 +15,7 @@ namespace {
 constexpr int MOST_LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
 constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 
-/** Numbers that stand for a disc in a message. */
+/** Numbers that represent a disc in a message. */
 int words_of(const PairJumpDisc &pair)
 {
   const jump_state &s = pair.state();
@@ -109,7 +109,7 @@ void JumpHalo::start(PairJumpDisc &pair)
   }
 }
 
-/** Wait for the others' discs; they stand behind the local ones. */
+/** Wait for the others' discs; they come after the local ones. */
 void JumpHalo::finish(PairJumpDisc &pair)
 {
   int all = 0;

@@ -67,7 +67,7 @@ void PairJumpDisc::read_scene(const char *name)
   MPI_Bcast(bytes.data(), (int) size, MPI_BYTE, 0, world);
   if (!scene.take(bytes))
     error->all(FLERR, "pair_style jump/disc: {} is no scene of this version of the plugin: write the script again", name);
-  state().pressed = nullptr;    // pressure is asked of the native engine
+  state().pressed = nullptr;    // pressure is requested from the native engine
   take_tables();
 }
 
@@ -280,7 +280,7 @@ void PairJumpDisc::build_list()
   load(0);
 }
 
-/** Rows of the list behind the others, for pairs of a local disc with one of another rank or beyond the seam. */
+/** Rows of the list after the others, for pairs of a local disc with one of another rank or beyond the seam. */
 void PairJumpDisc::list_across()
 {
   if (!ring.is_needed()) return;

@@ -10,14 +10,14 @@
    and no virial: their sums are NaN, and computes of them for each disc are refused.
 
    Between looks of LAMMPS the discs are those of the core's state, in the core's order: search of pairs, forces, drift and threads
-   are the core's (core/step/). `origin` says which disc of LAMMPS each is. LAMMPS is asked for no neighbour list. That of the core
+   are the core's (core/step/). `origin` says which disc of LAMMPS each is. LAMMPS makes no neighbour list. That of the core
    holds until the discs can have moved the skin against one another. That is bounded by the sum over the steps of dt times the
    range of the velocities (all the discs of a jet move together: only the range counts). On one rank it also outlives a
    reneighbouring that only brought new discs.
 
    On several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no ghosts. Where x
    is periodic it does the same with the discs near the seam. It needs `processors * 1 1`, newton off and no periodic y;
-   it sees to `comm_modify cutoff`. Contacts across the cuts have rows of their own behind the others, which are computed while the
+   it sees to `comm_modify cutoff`. Contacts across the cuts have rows of their own after the others, which are computed while the
    messages travel. */
 
 #ifndef LMP_PAIR_JUMP_DISC_H
@@ -83,7 +83,7 @@ class PairJumpDisc : public Pair {
   std::vector<int64_t *> table;      // arrays of the discs as the core sorts them; the first is `origin`
   std::vector<int64_t> widths, first_origin;
   std::vector<tagint> listed;        // ids of the local discs in the list, by the index of LAMMPS
-  bool remembers_list = false;       // what pairs remember stands in the order of the list that there is
+  bool remembers_list = false;       // what pairs remember is in the order of the list that there is
   bool packed = false;               // the discs are newer in the arrays of the state than in rows
   int first_group = 0;               // atom->nfirst, which is 0 while LAMMPS is to clear no forces
 

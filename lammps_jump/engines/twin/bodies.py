@@ -50,7 +50,7 @@ class Touch(NamedTuple):
 
 
 def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
-    """A point of the frame in which a wall stands, where it is."""
+    """The actual place of a point of the frame in which a wall is at rest."""
     moves = state.walls.moves
     if not contact.is_moving(moves, wall):
         return x, y
@@ -96,7 +96,7 @@ def touches(state: State) -> Iterator[Touch]:
 
 
 def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, float]:
-    """A direction as the frame has it in which a wall stands."""
+    """A direction in the frame in which a wall is at rest."""
     moves = state.walls.moves
     if not contact.is_moving(moves, wall):
         return dx, dy
@@ -104,30 +104,30 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
     return c * dx + s * dy, c * dy - s * dx
 
 
-def _ways(state: State, found: Touch) -> tuple[pushed.SharedContact, pushed.SharedContact]:
+def _ways(state: State, touch: Touch) -> tuple[pushed.SharedContact, pushed.SharedContact]:
     """A contact along its normal and across it."""
-    moves, (nx, ny), (vx, vy) = state.walls.moves, found.normal, found.slip
+    moves, (nx, ny), (vx, vy) = state.walls.moves, touch.normal, touch.slip
     along, across = ((nx, ny), vx * nx + vy * ny), ((-ny, nx), vy * nx - vx * ny)
 
     def way(direction: tuple[float, float], speed: float) -> pushed.SharedContact:
-        alone = sum(pushed.yielding_at(moves, wall, found.point, direction) for wall in found.walls)
-        return pushed.SharedContact(found.walls, found.point, direction, speed, alone)
+        alone = sum(pushed.yielding_at(moves, wall, touch.point, direction) for wall in touch.walls)
+        return pushed.SharedContact(touch.walls, touch.point, direction, speed, alone)
 
     return way(*along), way(*across)
 
 
-def _laws(state: State, found: Sequence[Touch]) -> list[LawNumbers]:
+def _laws(state: State, touches: Sequence[Touch]) -> list[LawNumbers]:
     """Numbers of each contact; those between the same two share the effective mass."""
     own, moves = state.bodies, state.walls.moves
     assert own is not None
     groups: dict[tuple[int, int], list[int]] = {}
-    for k, one in enumerate(found):
+    for k, one in enumerate(touches):
         groups.setdefault(pushed.partners(moves, one.walls), []).append(k)
-    ways, laws = [_ways(state, one) for one in found], [LawNumbers(0, 0, 0, 0)] * len(found)
+    ways, laws = [_ways(state, one) for one in touches], [LawNumbers(0, 0, 0, 0)] * len(touches)
     for group in groups.values():
         both = [pushed.shared(moves, [ways[k][side] for k in group]) for side in (0, 1)]
         for k, along, across in zip(group, *both, strict=True):
-            *numbers, lag = own.between[found[k].walls].tolist()
+            *numbers, lag = own.between[touches[k].walls].tolist()
             laws[k] = pushed.law_between(LawNumbers(*numbers), lag, along, across)
     return laws
 
@@ -137,22 +137,22 @@ def forces(state: State, slope: float | None) -> None:
     own = state.bodies
     assert own is not None
     memory, there = own.corners.memory, list(touches(state))
-    for found, of in zip(there, _laws(state, there), strict=True):
-        radius, slip, (nx, ny) = float(own.corner["radius"][found.corner]), found.slip, found.normal
+    for touch, of in zip(there, _laws(state, there), strict=True):
+        radius, slip, (nx, ny) = float(own.corner["radius"][touch.corner]), touch.slip, touch.normal
         plain = of if memory is None else of._replace(friction=nan)
-        fx, fy, tangential, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
+        fx, fy, tangential, dashpot = contact_force(touch.overlap, touch.normal, slip, 0.0, plain, slope)
         if memory is not None:
             walls = own.corners.walls
-            foot = foot_at(state.walls.faces, found.face, *found.inner)
-            where = int(walls.chain[found.face]), foot, float(walls.around[found.face])
+            foot = foot_at(state.walls.faces, touch.face, *touch.inner)
+            where = int(walls.chain[touch.face]), foot, float(walls.around[touch.face])
             slips, push = (slip[1] * nx - slip[0] * ny, 0.0), pressing(fx * nx + fy * ny, of)
-            tangential, _ = contact.spring_forces(memory, found.corner, where, radius, slips, push, of)
+            tangential, _ = contact.spring_forces(memory, touch.corner, where, radius, slips, push, of)
             fx, fy = fx - tangential * ny, fy + tangential * nx
-        for wall, sense in zip(found.walls, (1.0, -1.0), strict=True):
+        for wall, sense in zip(touch.walls, (1.0, -1.0), strict=True):
             parts = (fx, fy), (-dashpot * nx, -dashpot * ny), (tangential * ny, -tangential * nx)
-            _add(state, wall, found.point, [np.multiply(sense, part) for part in parts])
-        if found.overlap > own.deepest[0]:
-            own.deepest[:] = found.overlap, *found.walls
+            _add(state, wall, touch.point, [np.multiply(sense, part) for part in parts])
+        if touch.overlap > own.deepest[0]:
+            own.deepest[:] = touch.overlap, *touch.walls
 
 
 def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) -> None:
@@ -172,5 +172,5 @@ def elastic(state: State) -> float:
     """Elastic energy of the contacts of bodies, J per m of width."""
     assert state.bodies is not None
     between = state.bodies.between
-    laws = ((found.overlap, LawNumbers(*between[found.walls][:-1].tolist())) for found in touches(state))
+    laws = ((touch.overlap, LawNumbers(*between[touch.walls][:-1].tolist())) for touch in touches(state))
     return float(sum(contact_energy(*one) for one in laws))

@@ -24,7 +24,7 @@ from . import pushed
 
 Three = tuple[float, float, float]
 HUGE = 1e150
-"""Radius that stands for the mass of a fixed disc, m: its square is still a number."""
+"""Radius that represents the mass of a fixed disc, m: its square is still a number."""
 
 
 class ActingContact(NamedTuple):
@@ -172,9 +172,9 @@ def pair_contacts(
         i = row if pairs.owner is None else int(pairs.owner[row])
         shift = 0.0 if pairs.shift is None else float(pairs.shift[row])
         for j in pairs.neighbours[pairs.start[row] : pairs.start[row + 1]].tolist():
-            found = pair_contact(state, i, j, shift, seen, slope)
-            if found is not None:
-                yield i, j, found
+            contact = pair_contact(state, i, j, shift, seen, slope)
+            if contact is not None:
+                yield i, j, contact
 
 
 # --- walls ------------------------------------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def is_moving(moves: Moves | None, wall: int) -> TypeGuard[Moves]:
 
 
 def inward(moves: Moves | None, wall: int, x: float, y: float) -> tuple[float, float]:
-    """A point as the frame has it in which a wall stands."""
+    """A point in the frame in which a wall is at rest."""
     if not is_moving(moves, wall):
         return x, y
     now, (cx, cy) = moves.now[wall], moves.centre[wall]
@@ -212,7 +212,7 @@ def inward(moves: Moves | None, wall: int, x: float, y: float) -> tuple[float, f
 
 
 def outward(moves: Moves | None, wall: int, nx: float, ny: float) -> tuple[float, float]:
-    """A direction of the frame in which a wall stands as it is."""
+    """The actual direction, from the frame in which a wall is at rest."""
     if not is_moving(moves, wall):
         return nx, ny
     c, s = moves.now[wall, PlacedColumns.C], moves.now[wall, PlacedColumns.S]
@@ -238,11 +238,11 @@ def place_walls(moves: Moves, step: int) -> bool:
             continue
         if moves.moving[wall] == WallMotion.FOLLOWS:
             (first, last), time = moves.first[wall : wall + 2], (step - start) * dt
-            before, here, behind = (pose_py(moves.track, first, last, time + later) for later in (-dt, 0.0, dt))
+            before, here, later_pose = (pose_py(moves.track, first, last, time + later) for later in (-dt, 0.0, dt))
             now[PlacedColumns.NOW] = here
             now[PlacedColumns.C], now[PlacedColumns.S] = cos(here[2]), sin(here[2])
             now[PlacedColumns.RATE] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
-            now[PlacedColumns.CENTRED] = [0.5 * (b - a) / dt for a, b in zip(before, behind, strict=True)]
+            now[PlacedColumns.CENTRED] = [0.5 * (b - a) / dt for a, b in zip(before, later_pose, strict=True)]
         else:
             pushed.follow(moves, wall, (step - start) * dt)
         dx, dy, turn = now[PlacedColumns.NOW] - moves.listed[wall]

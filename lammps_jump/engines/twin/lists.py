@@ -98,9 +98,9 @@ def append_row(discs: DiscArrays, i: int, reach: float) -> bool:
 
 
 def image_rows(discs: DiscArrays, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
-    """Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
+    """Pairs across the seam of a periodic channel: a row for each disc near its left end, after the n others.
 
-    The row's disc stands a period further on. Returns the number of rows, or -1 where there is no room.
+    The row's disc is a period further on. Returns the number of rows, or -1 where there is no room.
     """
     n, period, (listed, widest, low) = discs.n, discs.period, reach
     assert period is not None

@@ -94,25 +94,25 @@ def forces(state: State) -> None:
             end_step(corners.memory.slots, corners.discs.n)
 
 
-def _add(d: DiscArrays, i: int, found: contact.ActingContact, sense: float, torque: float) -> None:
+def _add(d: DiscArrays, i: int, acting: contact.ActingContact, sense: float, torque: float) -> None:
     """Add a contact to a disc: to the first with sense 1, to the second with -1."""
-    (nx, ny), (fx, fy) = found.normal, found.force
+    (nx, ny), (fx, fy) = acting.normal, acting.force
     d.fx[i] += sense * fx
     d.fy[i] += sense * fy
     if d.torque is not None:
         d.torque[i] += torque
     if d.dashpot_x is not None:
-        d.dashpot_x[i] += sense * found.dashpot * nx
-        d.dashpot_y[i] += sense * found.dashpot * ny
+        d.dashpot_x[i] += sense * acting.dashpot * nx
+        d.dashpot_y[i] += sense * acting.dashpot * ny
     if d.friction_x is not None:
-        d.friction_x[i] -= sense * found.tangential * ny
-        d.friction_y[i] += sense * found.tangential * nx
+        d.friction_x[i] -= sense * acting.tangential * ny
+        d.friction_y[i] += sense * acting.tangential * nx
 
 
 def _pair_forces(state: State, seen: ContactVelocities, slope: float | None) -> None:
-    for i, j, found in contact.pair_contacts(state, seen, slope):
-        _add(state.discs, i, found, 1.0, found.torques[0])
-        _add(state.discs, j, found, -1.0, found.torques[1])
+    for i, j, acting in contact.pair_contacts(state, seen, slope):
+        _add(state.discs, i, acting, 1.0, acting.torques[0])
+        _add(state.discs, j, acting, -1.0, acting.torques[1])
 
 
 def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float | None) -> None:
@@ -126,20 +126,20 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
         centre = moves.centre[wall] + here
     push, dashpots, friction = np.zeros(3), np.zeros(3), np.zeros(3)  # of the wall: along x and y, and the moment
     for touched in contact.touched_faces(state, wall):
-        found = contact.wall_contact(state, wall, touched, seen, slope)
-        _add(state.discs, touched[0], found, 1.0, found.torques[0])
-        (nx, ny), tangential, dashpot = found.normal, found.tangential, found.dashpot
-        push -= wrench(found.force, found.point, about)
+        acting = contact.wall_contact(state, wall, touched, seen, slope)
+        _add(state.discs, touched[0], acting, 1.0, acting.torques[0])
+        (nx, ny), tangential, dashpot = acting.normal, acting.tangential, acting.dashpot
+        push -= wrench(acting.force, acting.point, about)
         if walls.pressed is not None:
             inner = contact.inward(moves, wall, float(state.discs.x[touched[0]]), float(state.discs.y[touched[0]]))
-            fx, fy = found.force
+            fx, fy = acting.force
             _press(
                 walls.pressed, wall, foot_at(walls.faces, touched[1], *inner), (fx * nx + fy * ny, fy * nx - fx * ny)
             )
-        push[2] += found.torques[1]
-        dashpots += wrench((dashpot * nx, dashpot * ny), found.point, centre)
-        friction += wrench((-tangential * ny, tangential * nx), found.point, centre)
-        friction[2] -= found.torques[1]
+        push[2] += acting.torques[1]
+        dashpots += wrench((dashpot * nx, dashpot * ny), acting.point, centre)
+        friction += wrench((-tangential * ny, tangential * nx), acting.point, centre)
+        friction[2] -= acting.torques[1]
     walls.sums[wall, SumsOnWallColumns.FORCE] += push
     if moving:
         moves.wall_loads[wall] = [*push, *push, *dashpots, *friction]

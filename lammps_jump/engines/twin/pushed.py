@@ -198,6 +198,6 @@ def shared(moves: Moves, ways: Sequence[SharedContact]) -> list[float]:
 
 
 def partners(moves: Moves, walls: tuple[int, int]) -> tuple[int, int]:
-    """The two that share the mass of a contact, the smaller number first; all that stands is one, -1."""
+    """The two that share the mass of a contact, the smaller number first; all that is at rest is one, -1."""
     alone = [wall if gives_way(moves, wall) or moves.moving[wall] == WallMotion.FOLLOWS else -1 for wall in walls]
     return min(alone), max(alone)

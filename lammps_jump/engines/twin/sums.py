@@ -20,11 +20,11 @@ def elastic(state: State, chosen: np.ndarray | None = None) -> tuple[float, floa
     law = state.constants.law
     energy, worst = 0.0, (0.0, -1, -1)
     still = _stored(state)
-    for i, j, found in contact.pair_contacts(still, contact.seen_by(state), None):
+    for i, j, acting in contact.pair_contacts(still, contact.seen_by(state), None):
         if chosen is not None and not chosen[i] and not chosen[j]:
             continue
-        energy += contact_energy(found.overlap, law)
-        worst = max(worst, (found.overlap, i, -1), key=lambda one: one[0])
+        energy += contact_energy(acting.overlap, law)
+        worst = max(worst, (acting.overlap, i, -1), key=lambda one: one[0])
     for wall, law in enumerate(state.walls.near.laws):
         for i, _, gap, _ in contact.touched_faces(state, wall):
             if chosen is not None and not chosen[i]:
@@ -44,7 +44,7 @@ def _stored(state: State) -> State:
 
 
 def contacts(
-    state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+    state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, table: np.ndarray
 ) -> int:
     """List the contacts with their forces; see `Loops.contacts`."""
     slope, (vx, vy, spins), ids = contact.slope_of(state, seen), at_step, state.discs.ids
@@ -63,12 +63,12 @@ def contacts(
     for k, (pair, of, (sx, sy), turned) in enumerate(rows):
         nx, ny = of.normal
         power = -of.dashpot * (nx * sx + ny * sy) - of.tangential * (nx * sy - ny * sx) - turned
-        who[k], found[k] = pair, (*of.point, *of.force, power)
+        who[k], table[k] = pair, (*of.point, *of.force, power)
     return len(rows)
 
 
 def give_sizes(state: State, known: int, own: np.ndarray) -> float:
-    """Own radii for discs behind a step; see `Loops.give_sizes`.
+    """Own radii for discs after a step; see `Loops.give_sizes`.
 
     The energy it gives is kinetic and gravitational, the work that dashpots and friction take in the first half of the
     kick, and, in the second half, what the old weight does on the new mass.

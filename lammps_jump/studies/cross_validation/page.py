@@ -38,11 +38,11 @@ Laws = dict[str, tuple[str, Comparison]]
 """Changes by each choice of law, in words and in numbers, by its label."""
 
 
-def draw_all(chart: Chart, found: Comparison, choices: Laws, folder: Path) -> dict[str, Path]:
+def draw_all(chart: Chart, compared: Comparison, choices: Laws, folder: Path) -> dict[str, Path]:
     """Draw the chart of the `divergence` and what was compared; returns file by title, in the order of the report."""
     folder.mkdir(parents=True, exist_ok=True)
-    profiles = [name for name in found.bands if name.endswith("profile")]
-    times = [name for name in found.bands if found.bands[name][0].axis == "t"]
+    profiles = [name for name in compared.bands if name.endswith("profile")]
+    times = [name for name in compared.bands if compared.bands[name][0].axis == "t"]
     leading = [name for name in times if "front" in name or "toe" in name]
     figures = {"divergence": chart}
     curves = {
@@ -51,21 +51,23 @@ def draw_all(chart: Chart, found: Comparison, choices: Laws, folder: Path) -> di
         "histories": ("Histories", [name for name in times if name not in leading]),
     }
     for file, (title, names) in curves.items():
-        figures |= {file: means(title, found, names), f"{file}_differences": gaps(title, found, names)} if names else {}
+        figures |= (
+            {file: means(title, compared, names), f"{file}_differences": gaps(title, compared, names)} if names else {}
+        )
     laws = {label: comparison for label, (_, comparison) in choices.items()}
     if any(DEPTH in law.bands for law in laws.values()):
         figures["law_profiles"] = law_profiles(laws)
     files = {one.title: save(drawn(one), folder / f"{name}.png") for name, one in figures.items()}
-    files["Differences of all numbers"] = save(forest({"": found}), folder / "differences.png")
+    files["Differences of all numbers"] = save(forest({"": compared}), folder / "differences.png")
     return files | ({LAW_FIGURES[0]: save(forest(laws), folder / "laws.png")} if laws else {})
 
 
 def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Divergence) -> Chart:
     """Describe separation against time, with the perturbed run, and the stretch in which the engines must agree."""
-    found = part.found
+    numbers = part.found
     rows = (
-        (part.engines, found["growth"], "first", f"LAMMPS ({found['kernel']}) from native"),
-        (part.perturbed, found["twin_growth"], "second", "native from native, start off by the last digits"),
+        (part.engines, numbers["growth"], "first", f"LAMMPS ({numbers['kernel']}) from native"),
+        (part.perturbed, numbers["twin_growth"], "second", "native from native, start off by the last digits"),
     )
     lines = [
         Trace(f"{label}{_rate(growth)}", scene.time(0) + run.steps * scene.time_step,
@@ -91,39 +93,42 @@ def _label(name: str, curve: MemberCurve) -> str:
 
 
 def band_chart(
-    title: str, found: Comparison, names: list[str], lines: Callable[[MemberCurve, Difference[np.ndarray]], list[Trace]]
+    title: str,
+    comparison: Comparison,
+    names: list[str],
+    lines: Callable[[MemberCurve, Difference[np.ndarray]], list[Trace]],
 ) -> Chart:
     """Describe curves with `lines` of each and its difference."""
-    panels = [Panel(_label(name, found.bands[name][0]), lines(*found.bands[name])) for name in names]
-    return Chart(title, TIME if found.bands[names[0]][0].axis == "t" else PLACE, panels)
+    panels = [Panel(_label(name, comparison.bands[name][0]), lines(*comparison.bands[name])) for name in names]
+    return Chart(title, TIME if comparison.bands[names[0]][0].axis == "t" else PLACE, panels)
 
 
-def means(title: str, found: Comparison, names: list[str]) -> Chart:
+def means(title: str, comparison: Comparison, names: list[str]) -> Chart:
     """Describe the mean of each ensemble with a band of one standard deviation: two of a half."""
-    one, two = (SHOWN.get(label, label) for label in found.ensembles)
+    one, two = (SHOWN.get(label, label) for label in comparison.ensembles)
 
     def lines(curve: MemberCurve, band: Difference[np.ndarray]) -> list[Trace]:
         first = Trace(one, curve.at, band.mean_1, "first", 0.5 * band.deviation_1)
         return [first, Trace(two, curve.at, band.mean_2, "second", 0.5 * band.deviation_2)]
 
-    return band_chart(f"{title}; band: ± 1 s.d. of the members", found, names, lines)
+    return band_chart(f"{title}; band: ± 1 s.d. of the members", comparison, names, lines)
 
 
-def gaps(title: str, found: Comparison, names: list[str]) -> Chart:
+def gaps(title: str, comparison: Comparison, names: list[str]) -> Chart:
     """Describe the difference of each curve with its interval, 95 % for all points at once."""
 
     def lines(curve: MemberCurve, band: Difference[np.ndarray]) -> list[Trace]:
         return [Trace("", curve.at, band.difference, "sum", 0.5 * band.half_width)]
 
-    return band_chart(f"{title}: native minus LAMMPS, 95 % for all at once", found, names, lines)
+    return band_chart(f"{title}: native minus LAMMPS, 95 % for all at once", comparison, names, lines)
 
 
 def forest(comparisons: dict[str, Comparison]) -> Figure:
     """Draw the relative difference of every number with its confidence interval."""
     rows = [
         (label, row["name"], row["difference"] / size, row["half_width"] / size, row["verdict"] == "differ")
-        for label, found in comparisons.items()
-        for row in found.quantities
+        for label, comparison in comparisons.items()
+        for row in comparison.quantities
         if row["kind"] == "scalar" and isfinite(row["half_width"]) and (size := 0.01 * (relative_size(row) or 0.0))
     ]
     table = pd.DataFrame(rows, columns=["label", "name", "share", "half", "differs"])
@@ -147,7 +152,7 @@ def forest(comparisons: dict[str, Comparison]) -> Figure:
 
 
 def law_profiles(laws: dict[str, Comparison]) -> Chart:
-    """Describe depth profiles of the laws beside the one they are compared with."""
+    """Describes depth profiles of the laws, with those of the law they are compared with."""
     bands = {label: law.bands[DEPTH] for label, law in laws.items() if DEPTH in law.bands}
     curve, base = next(iter(bands.values()))
     lines = [Trace("viscous, velocity Verlet, corrected", curve.at, base.mean_1, "first", 0.5 * base.deviation_1)]
@@ -185,12 +190,12 @@ def verdict_text(report: dict[str, Any]) -> str:
     """Return the outcome in two sentences."""
     checks, quantities = report["disc_by_disc"], report["statistics"]["quantities"]
     failed = [check for check in checks if not check["agrees"] and not check["expected_difference"]]
-    found = {
+    by_engine = {
         "disc by disc": ["{name} ({kernel})".format_map(check) for check in failed],
         "statistics": [q["name"] for q in quantities if q["verdict"] == "differ"],
         "limits": [c["name"] for c in report["criteria"] if c["met"] is False],
     }
-    if not any(found.values()):
+    if not any(by_engine.values()):
         words = Counter(q["verdict"] for q in quantities)
         open_ = words["not decided"] + words["not comparable"]
         agreed = f"{len(quantities) - open_} of" if open_ else "all"
@@ -198,7 +203,7 @@ def verdict_text(report: dict[str, Any]) -> str:
             f"The engines agree: disc by disc while they can, and in {agreed} {len(quantities)} statistical quantities."
         )
         return f"{said} {open_} are not decided: these members cannot tell." if open_ else said
-    return "The engines differ. " + "; ".join(f"{part}: {', '.join(of)}" for part, of in found.items() if of) + "."
+    return "The engines differ. " + "; ".join(f"{part}: {', '.join(of)}" for part, of in by_engine.items() if of) + "."
 
 
 def _checks(report: dict[str, Any], pictures: list[Picture]) -> Section:
@@ -283,6 +288,6 @@ def _laws(laws: dict[str, Any], pictures: list[Picture]) -> list[Section]:
 
 
 def _how(report: dict[str, Any]) -> Section:
-    found = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
-    text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {found}; {report['seconds']:z.0f} s of computing."
+    used = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
+    text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {used}; {report['seconds']:z.0f} s of computing."
     return Section("How to repeat it", [Text(text), *(Text(f"Note: {note}") for note in report["notes"])])

@@ -55,7 +55,7 @@ class Quantities:
     ----------
     found : dict of str to MemberCurve
     verdict : str
-        Of the jump analysis; empty where none was asked for.
+        Of the jump analysis; empty where none was requested.
     run : dict
         Engine, kernel, steps, time (s), discs and energy ledger.
     """
@@ -72,11 +72,11 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
     energy = energy[energy["time"] >= 0]
     moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
     coefficients, discs, jump = scene.coefficients, summary["discs"], summary.get("jump") or {}
-    found: dict[str, MemberCurve] = {}
+    curves: dict[str, MemberCurve] = {}
     blocks = -(-profiles.sizes["x"] // max(1, -(-profiles.sizes["x"] // MOST_BINS)))
     for name, unit in (("mass_depth", "m"), ("surface_depth", "m"), ("velocity", "m/s"), ("discharge", "m2/s")):
         at, values = (block_means(profiles[part].values, blocks) for part in ("x", f"{name}_mean"))
-        found[f"{name} profile"] = MemberCurve(unit, values, "x", at)
+        curves[f"{name} profile"] = MemberCurve(unit, values, "x", at)
     depth, discharge = (profiles[name].values for name in ("mass_depth_mean", "discharge_mean"))
     wet = depth > 0.5 * scene.diameter
     closed = coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets
@@ -95,21 +95,21 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
         ("depth, mean over wet bins", "m", wet.any(), depth[wet].mean),
         ("discharge, mean over wet bins", "m2/s", wet.any() and open_, discharge[wet].mean),
     )
-    found |= {f"{name} history": _history(energy["time"], v, unit) for name, unit, known, v in histories if known}
-    found |= {name: MemberCurve(unit, [float(value())]) for name, unit, known, value in numbers if known}
+    curves |= {f"{name} history": _history(energy["time"], v, unit) for name, unit, known, v in histories if known}
+    curves |= {name: MemberCurve(unit, [float(value())]) for name, unit, known, value in numbers if known}
     if summary.get("front"):
-        found |= _front(_frame(results.table("front")))
+        curves |= _front(_frame(results.table("front")))
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
-        found |= _force(name, force)
+        curves |= _force(name, force)
     units = {key: number.unit or "1" for key, number in numbers_of(Jump).items()}
-    found |= {label: MemberCurve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
+    curves |= {label: MemberCurve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
     if jump and (folder / "jump_track.csv").is_file():
         track = _frame(results.table("jump_track"))
         if track["found"].sum() >= TIME_BLOCKS:
-            found["jump toe history"] = _history(track["time"], track["toe"], "m")
+            curves["jump toe history"] = _history(track["time"], track["toe"], "m")
     kept = {name: summary[name] for name in ("engine", "kernel", "steps", "disc_steps", "ledger")}
     run = {**kept, "seconds": summary["wall_seconds"]["run"], **discs}
-    return Quantities(found, jump.get("verdict", ""), run)
+    return Quantities(curves, jump.get("verdict", ""), run)
 
 
 def _frame(table: TextTable) -> pd.DataFrame:
@@ -124,14 +124,14 @@ def _history(time: ArrayLike, values: ArrayLike, unit: str) -> MemberCurve:
 
 
 def _front(front: pd.DataFrame) -> dict[str, MemberCurve]:
-    run, end, found = front[front["time"] >= 0], front["time"].iloc[-1], {}
+    run, end, curves = front[front["time"] >= 0], front["time"].iloc[-1], {}
     for label, name in (("front", "bulk"), ("99 % front", "quantile")):
-        found[f"{label} history"] = _history(run["time"], run[name], "m")
+        curves[f"{label} history"] = _history(run["time"], run[name], "m")
         for moment in (0.25 * end, 0.5 * end, end):
-            found[f"{label} at t = {moment:z.3g} s"] = MemberCurve(
+            curves[f"{label} at t = {moment:z.3g} s"] = MemberCurve(
                 "m", [float(np.interp(moment, run["time"], run[name]))]
             )
-    return found
+    return curves
 
 
 def _force(name: str, force: ForceHistory) -> dict[str, MemberCurve]:
@@ -139,12 +139,14 @@ def _force(name: str, force: ForceHistory) -> dict[str, MemberCurve]:
         return {}
     step, run = float(np.median(np.diff(force.time))), force.time > 0
     fx, fy = force.fx[run], force.fy[run]
-    found = {f"impulse on {name}, {axis}": MemberCurve("N s/m", [f.sum() * step]) for axis, f in (("x", fx), ("y", fy))}
+    curves = {
+        f"impulse on {name}, {axis}": MemberCurve("N s/m", [f.sum() * step]) for axis, f in (("x", fx), ("y", fy))
+    }
     width = max(1, round(FORCE_MEAN / step))
     if len(fx) > width:
         smooth = np.convolve(fx, np.full(width, 1.0 / width), mode="valid")
-        found[f"largest force on {name}, x"] = MemberCurve("N/m", [smooth[np.argmax(np.abs(smooth))]])
-    return found | {f"force on {name}, x": _history(force.time[run], fx, "N/m")}
+        curves[f"largest force on {name}, x"] = MemberCurve("N/m", [smooth[np.argmax(np.abs(smooth))]])
+    return curves | {f"force on {name}, x": _history(force.time[run], fx, "N/m")}
 
 
 @dataclass(frozen=True)
@@ -243,8 +245,8 @@ def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities]
 
 
 def _number(one: np.ndarray, two: np.ndarray) -> Results:
-    found = welch(one[:, 0], two[:, 0])
-    return {"kind": "scalar", "place": None, "points": None, "scale": None, "p_adjusted": found.p, **found._asdict()}
+    test = welch(one[:, 0], two[:, 0])
+    return {"kind": "scalar", "place": None, "points": None, "scale": None, "p_adjusted": test.p, **test._asdict()}
 
 
 def _worst_point(curve: MemberCurve, band: Difference[np.ndarray], sides: list[np.ndarray]) -> Results:
@@ -255,10 +257,10 @@ def _worst_point(curve: MemberCurve, band: Difference[np.ndarray], sides: list[n
     k = int(np.nanargmin(band.p))
     scale = float(np.nanmax(np.abs(band.mean_1), initial=0.0))
     one, two = sides
-    found = welch(one[:, k], two[:, k], scale)
+    test = welch(one[:, k], two[:, k], scale)
     place = f"{curve.axis} = {curve.at[k]:z.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
     facts = {"kind": "curve", "place": place, "points": points, "scale": scale}
-    return {**facts, "p_adjusted": min(1.0, band.p[k] * points), **found._asdict(), "half_width": band.half_width[k]}
+    return {**facts, "p_adjusted": min(1.0, band.p[k] * points), **test._asdict(), "half_width": band.half_width[k]}
 
 
 # --- differences of small samples with confidence intervals, and tests of many of them with few false alarms ----------
@@ -311,7 +313,7 @@ def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None, points: 
 
     B. L. Welch, Biometrika 34 (1947) 28: t = (m2 - m1)/sqrt(s1^2/n1 + s2^2/n2) with the Welch-Satterthwaite degrees
     of freedom. The variance of each mean gets a floor of (`RESOLUTION` scale)^2, so that samples that agree to
-    rounding (before chaos has set in) are not told apart by their last digits.
+    rounding (before chaos has set in) are not distinguished by their last digits.
 
     Parameters
     ----------

@@ -244,7 +244,7 @@ def cross_validate(
     engine : {'native', 'twin'}
         What LAMMPS' ensemble is compared with. The disc-by-disc part and the comparison of laws are of the native one.
     say : callable
-        Takes a line of what was found.
+        Takes a line on a result.
 
     Returns
     -------
@@ -262,22 +262,22 @@ def cross_validate(
     with held_folder(out or default_folder(case.name), "cross-validate") as folder, Pool(usable_cores()) as pool:
         study = _prepare(case, folder, kernel, members, quick, pool, say)
         divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
-        found = study.compare(study.run(study.case, study.kernel), study.run(study.case, engine))
-        for row in found.quantities:
+        comparison = study.compare(study.run(study.case, study.kernel), study.run(study.case, engine))
+        for row in comparison.quantities:
             say(f"  {row['name']}: {row['text']}")
         if not quick:
             _laws(study, case)
-        limits = criteria(study, found)
-        report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
+        limits = criteria(study, comparison)
+        report = as_dict(study, divergence, comparison, limits, time.perf_counter() - begin)
         write_json(folder / RESULT_FILE, report)
         chart = page.divergence(study.scene, study.checks, divergence)
-        figures = page.draw_all(chart, found, study.laws, folder / "figures")
+        figures = page.draw_all(chart, comparison, study.laws, folder / "figures")
         page.write_report(report, study.scene.description, figures, folder / REPORT_FILE)
         return report
 
 
 def as_dict(
-    study: CrossValidation, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float
+    study: CrossValidation, divergence: Divergence, comparison: Comparison, criteria: list[Results], seconds: float
 ) -> dict[str, Any]:
     """Return what goes into ``cross_validation.json``.
 
@@ -285,13 +285,13 @@ def as_dict(
     ----------
     study : CrossValidation
     divergence : Divergence
-    found : Comparison
+    comparison : Comparison
         Of the engines.
     criteria : list of dict
     seconds : float
         Wall time of the study, s.
     """
-    passed = found.agrees and all(check.passed for check in study.checks)
+    passed = comparison.agrees and all(check.passed for check in study.checks)
     laws = {label: {"what": text, **law.stored()} for label, (text, law) in study.laws.items()}
     runs = {
         label: [{"seed": seed, **member.run} for seed, member in zip(study.seeds, group, strict=True)]
@@ -312,7 +312,7 @@ def as_dict(
         "notes": study.notes,
         "disc_by_disc": study.checks,
         "divergence": divergence.found,
-        "statistics": found.stored(),
+        "statistics": comparison.stored(),
         "criteria": criteria,
         "laws": laws,
         "runs": runs,
@@ -397,14 +397,14 @@ def _laws(study: CrossValidation, case: Case) -> None:
             study.laws[label] = text, study.compare("native", name, label)
 
 
-def criteria(study: CrossValidation, found: Comparison) -> list[Results]:
+def criteria(study: CrossValidation, comparison: Comparison) -> list[Results]:
     """Return the limits set beforehand for a jump without friction: sequent depth and shock speed.
 
     ``met`` is None where a limit is for information only.
     """
     rows: list[Results] = []
     for name, limit in (("sequent depth", SEQUENT_LIMIT), ("shock speed", SPEED_LIMIT)):
-        row = found.find(name)
+        row = comparison.find(name)
         if row is None or not study.case.fields.analysis.jump:
             continue
         share = abs(row["difference"] / row["mean_1"]) if isfinite(row["difference"]) and row["mean_1"] else nan

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .box import Sheared as Sheared
+from .box import ShearMeans as ShearMeans
 from .box import Slosh as Slosh
-from .box import Sound as Sound
+from .box import SoundSpeed as SoundSpeed
 from .box import damped_cosine as damped_cosine
 from .box import sheared as sheared
 from .box import slosh_of as slosh_of

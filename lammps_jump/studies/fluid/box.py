@@ -71,7 +71,7 @@ def damped_cosine(times: np.ndarray, values: np.ndarray, expected: float) -> Swi
     return Swing(abs(float(best[0])), float(best[1]), float(rest))
 
 
-class Sound(NamedTuple):
+class SoundSpeed(NamedTuple):
     """Of discs at rest: speed of sound (m/s), the same over d sqrt(k/m) = n v0, and packing."""
 
     speed: float
@@ -79,7 +79,7 @@ class Sound(NamedTuple):
     packing: float
 
 
-def sound_speed(discs: FluidDiscs, pressure: float, seed: int, *, length: int = LENGTH) -> Sound:
+def sound_speed(discs: FluidDiscs, pressure: float, seed: int, *, length: int = LENGTH) -> SoundSpeed:
     """Speed of a standing longitudinal wave, c = omega length/(2 pi).
 
     Parameters
@@ -103,8 +103,8 @@ def sound_speed(discs: FluidDiscs, pressure: float, seed: int, *, length: int = 
     mode = cell.advance(time, SAMPLES)[:, WAVE]
     every = max(1, round(time / SAMPLES / discs.coefficients.time_step)) * discs.coefficients.time_step
     swing = damped_cosine(every * np.arange(1, SAMPLES + 1), mode / speed, 2.0 * pi * guess / long)
-    found = swing.undamped * long / (2.0 * pi)
-    return Sound(found, found / discs.signal_speed, cell.packing)
+    frequency = swing.undamped * long / (2.0 * pi)
+    return SoundSpeed(frequency, frequency / discs.signal_speed, cell.packing)
 
 
 INERTIAL = (0.3, 0.1, 0.03, 0.01, 0.003)
@@ -117,7 +117,7 @@ EXPANDED = 0.4
 """Packing below which discs are a gas, which expands for ever."""
 
 
-class Sheared(NamedTuple):
+class ShearMeans(NamedTuple):
     """Means of a sheared box: inertial number, friction mu, packing phi, pressure (Pa)."""
 
     inertial: float
@@ -128,7 +128,7 @@ class Sheared(NamedTuple):
 
 def sheared(
     discs: FluidDiscs, pressure: float, seed: int, *, numbers: Sequence[float] = INERTIAL, count: int = COUNT
-) -> list[Sheared]:
+) -> list[ShearMeans]:
     """Shear one start at each inertial number, from quick to slow; those at which discs expand are left out.
 
     Parameters
@@ -141,7 +141,7 @@ def sheared(
     count : int
         Discs of the box.
     """
-    cell, rate, found = Cell(discs, count, seed), 0.0, []
+    cell, rate, sheareds = Cell(discs, count, seed), 0.0, []
     cell.close(pressure)
     for number in sorted(numbers, reverse=True):
         before, during = APART.get(number, (1.0, 3.0))
@@ -151,17 +151,17 @@ def sheared(
         record = cell.advance(during / rate, ROWS, rate=rate, pressure=pressure)
         one = of_record(record, rate, cell)
         if one.packing > EXPANDED:
-            found.append(one)
-    return found
+            sheareds.append(one)
+    return sheareds
 
 
-def of_record(record: np.ndarray, rate: float, cell: Cell) -> Sheared:
+def of_record(record: np.ndarray, rate: float, cell: Cell) -> ShearMeans:
     """Means of a record of `Cell.advance` at a rate (1/s)."""
     means = record.mean(axis=0)
     pressure = 0.5 * float(means[SXX] + means[SYY])
     inertial = rate * cell.discs.diameter * sqrt(cell.discs.density / pressure)
     packing = cell.covered / float(means[AREA])
-    return Sheared(inertial, -float(means[SXY]) / pressure, packing, pressure)
+    return ShearMeans(inertial, -float(means[SXY]) / pressure, packing, pressure)
 
 
 # --- sloshing of discs in a box: frequency against water's, damping, and where the surface comes to rest --------------
@@ -190,7 +190,7 @@ class Slosh(NamedTuple):
     opposite : float
         First opposite swing over the start; -1 without loss.
     rest : float
-        Where the surface stands after the recorded time, over the start.
+        Height of the surface after the recorded time, over the start.
     amplitude : float
         Of the first mode at the wall at the start, m.
     friction : float
@@ -286,6 +286,6 @@ def slosh_of(times: np.ndarray, swing: np.ndarray, amplitude: float, depth: floa
     rest = float(swing[-len(swing) // 10 :].mean())
     if not crossed.size or swing.min() > -0.02:
         return Slosh(nan, nan, nan, rest, amplitude, nan)
-    found, opposite = damped_cosine(times, swing, 2.0 * pi), float(swing.min())
+    swing_fit, opposite = damped_cosine(times, swing, 2.0 * pi), float(swing.min())
     friction = coulomb_friction(amplitude, opposite, depth)
-    return Slosh(found.frequency / (2.0 * pi), found.damping, opposite, rest, amplitude, friction)
+    return Slosh(swing_fit.frequency / (2.0 * pi), swing_fit.damping, opposite, rest, amplitude, friction)

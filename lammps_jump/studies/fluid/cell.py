@@ -6,7 +6,7 @@ I = rate d sqrt(rho/p) is the inertial number (GDR MiDi 2004), mu the shear stre
 The core moves it (``shear.cpp``), with the contact and the springs of the native engine. Time levels are those of
 LAMMPS: x_n, v_(n-1/2), F_n between steps, and the dashpot sees v_(n-1/2).
 
-The image of a disc one height further up stands `offset` further along x and is faster by rate times height. The box
+The image of a disc one height further up is `offset` further along x and is faster by rate times height. The box
 keeps its shape; where a pressure is held, it and the places in it grow by
 
     d(ln length)/dt = gain (P - P0)/k,   at most `cap`                                                          (1)
@@ -159,7 +159,7 @@ SXX, SYY, SXY, AREA, KINETIC, WAVE = range(6)
 """A row of the record: means of stress (Pa), area (m^2), energy of u (J per m); the first mode at its end (m/s)."""
 
 
-class Swarm(NamedTuple):
+class BoxDiscs(NamedTuple):
     """The discs of a box: place, velocity, spin, force, torque, radius; way against the shear since the list (m)."""
 
     x: np.ndarray
@@ -232,7 +232,7 @@ def _springs(memory: Memory) -> jump_springs:
 
 
 def advance(
-    swarm: Swarm, box: np.ndarray, control: Control, pairs: np.ndarray, record: np.ndarray, every: int,
+    swarm: BoxDiscs, box: np.ndarray, control: Control, pairs: np.ndarray, record: np.ndarray, every: int,
     law: LawNumbers, memory: Memory | None,
 ) -> bool:  # fmt: skip
     """Steps of kick, drift and forces, `every` for each row of `record`, which takes their means; needs the core.
@@ -315,7 +315,7 @@ class Cell:
         speed = AGITATED * discs.signal_speed
         vx, vy = random.normal(0.0, speed, (2, count))
         omega, fx, fy, torque = (np.zeros(count) for _ in range(4))
-        self.swarm = Swarm(x, y, vx, vy, omega, fx, fy, torque, radius, np.zeros((count, 2)))
+        self.swarm = BoxDiscs(x, y, vx, vy, omega, fx, fy, torque, radius, np.zeros((count, 2)))
         self.stop()
         self._pairs = np.empty((ROOM * count + count, 4), np.int32)
         self._memory = self._springs(count)

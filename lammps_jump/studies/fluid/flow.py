@@ -32,7 +32,7 @@ class FlowScales:
     Attributes
     ----------
     depth : float
-        h, m: behind a jump, of a stream without one, or of the highest column at the start.
+        h, m: downstream of a jump, of a stream without one, or of the highest column at the start.
     speed : float
         U, m/s: of the stream, or sqrt(g h).
     discharge : float
@@ -187,8 +187,8 @@ def stored(case: ReadCase) -> Numbers | None:
     """Numbers of the flow of a case (`numbers_at`) where its discs have been measured; None elsewhere."""
     with suppress(CaseError, DumpError), foreign(DumpError):
         flow, discs = flow_of(case), discs_of(case)
-        found = read_json(store_of(measured_key(discs, flow)))["summary"]
-        return numbers_at(found, discs, flow)
+        summary = read_json(store_of(measured_key(discs, flow)))["summary"]
+        return numbers_at(summary, discs, flow)
     return None
 
 

@@ -83,25 +83,27 @@ def _number(value: float | None) -> float:
 
 def warnings_of(discs: FluidDiscs, flow: FlowScales, at: Numbers) -> list[str]:
     """Sentences on what these discs cannot say of water."""
-    found, mu = [], discs.coefficients.friction
+    sentences, mu = [], discs.coefficients.friction
     if at["mach"] > COMPRESSIBLE:
         softer = at["mach"] / COMPRESSIBLE
-        found.append(
+        sentences.append(
             f"the Mach number is {at['mach']:z.2g}, above {COMPRESSIBLE}: the flow is compressible; make the discs "
             f"{softer:z.2g} times as stiff against their speed (a smaller contact.largest_overlap)"
         )
     if discs.sizes is None:
-        found.append("the discs are equal and pack into crystals: friction is up to twice as large; set discs.sizes")
+        sentences.append(
+            "the discs are equal and pack into crystals: friction is up to twice as large; set discs.sizes"
+        )
     if mu > 0:
-        found.append(
+        sentences.append(
             f"contact.friction is {mu:zg}: the discs hold a slope at rest, which water does not; set it to 0 for water"
         )
     if flow.thinnest == flow.depth and 0.5 * flow.depth < at["least_swing"]:
-        found.append(
+        sentences.append(
             f"a wave lower than {at['least_swing']:z.2g} m dies in one swing, and half the depth is less; take smaller "
             "discs for waves"
         )
-    return found
+    return sentences
 
 
 def default_folder(case: Case) -> Path:
@@ -127,7 +129,7 @@ def fluid(
     out : Path, optional
         Folder; default ``runs/<name>_fluid``.
     quick : bool
-        Two starts in place of three, and three inertial numbers. Nothing of it is found by `store.stored`.
+        Two starts in place of three, and three inertial numbers. Nothing of it is returned by `store.stored`.
     fresh : bool
         Measure again what is stored.
     depth, speed : float, optional
@@ -159,18 +161,18 @@ def fluid(
             write_json(store.path, store.data)
         at = numbers_at(summary, discs, flow)
         zones = {name: numbers_at(summary, discs, zone) for name, zone in zones_of(case, flow).items()}
-        found: Numbers = {
+        result: Numbers = {
             "case": case.name,
             "flow": at,
             "zones": zones,
             "warnings": warnings_of(discs, flow, at),
             "summary": summary,
         }
-        found["text"] = text_of(found, discs, flow)
-        write_json(folder / "fluid.json", {name: one for name, one in found.items() if name != "text"})
-        write_text(folder / "fluid.md", found["text"])
-        draw(found, discs, flow, folder / "fluid.png")
-        return found
+        result["text"] = text_of(result, discs, flow)
+        write_json(folder / "fluid.json", {name: one for name, one in result.items() if name != "text"})
+        write_text(folder / "fluid.md", result["text"])
+        draw(result, discs, flow, folder / "fluid.png")
+        return result
 
 
 def _told(piece: Any) -> str:
@@ -244,7 +246,7 @@ def text_of(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
 
 
 def _beside_water(summary: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
-    """Table of water beside the discs."""
+    """Table of water and the discs."""
     law, sound, swing = law_of(summary), summary["sound"], summary["slosh"]
     upper, lower = _table_depths(flow)
     least, most = _viscosity(law, discs, flow, upper, RATES[-1]), _viscosity(law, discs, flow, lower, RATES[0])
