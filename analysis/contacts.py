@@ -59,10 +59,8 @@ def once_a_frame(function: Callable[Arguments, Answer]) -> Callable[Arguments, A
         key = (*map(id, given), *options.items())
         stored = kept.get(key)
         if stored is None:
-            stored = kept[key] = (
-                function(*given, **options),
-                given,
-            )  # the arguments are held: nothing else has their ids
+            # the arguments are kept too: so nothing else has their ids
+            stored = kept[key] = function(*given, **options), given
         return stored[0]
 
     return answer

@@ -10,8 +10,8 @@ multiples of T see all of them at the same places, again and again: their mean i
 holds two and a half discs of a row reads two or three. So a disc counts over the way that it goes within T. That is
 the mean over this time for all that goes straight on, and shifts nothing by more than v T/2 elsewhere.
 
-At an inlet and at an outlet discs come and go with their centres. There is none beyond that plane whose area would
-replace what those before it have beyond the plane: the sums fold it back.
+At an inlet and at an outlet discs come and go with their centres. Discs before such a plane reach beyond it, and
+no disc beyond it reaches back: the sums fold that area back.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def running_rows(flow: Flow, frame: Frame) -> RunningRows:
     scene, rows = flow.scene, flow.scene.inlets
     if not rows or not flow.time_step:
         return NO_ROWS
-    farthest, rows_found = FARTHEST * scene.largest, []
+    farthest, running = FARTHEST * scene.largest, []
     inlet = np.flatnonzero(np.abs(frame.x - rows[0].x) < farthest)
     x, y = frame.x[inlet], frame.y[inlet]
     for row in rows:
@@ -141,8 +141,8 @@ def running_rows(flow: Flow, frame: Frame) -> RunningRows:
         distance = abs(last) * (since - ahead)
         off = np.abs(x - row.x - last * since), np.abs(y - row.y - row.vy * since)
         if distance < farthest and ((off[0] < NEAR * distance) & (off[1] < row.clearance)).any():
-            rows_found.append((since - ahead, row.x + coming * ahead, row.y + row.vy * ahead, coming, row.vy))
-    return RunningRows(*np.array(rows_found).T) if rows_found else NO_ROWS
+            running.append((since - ahead, row.x + coming * ahead, row.y + row.vy * ahead, coming, row.vy))
+    return RunningRows(*np.array(running).T) if running else NO_ROWS
 
 
 def intervals_of(y: np.ndarray, rows: RunningRows) -> np.ndarray:

@@ -113,7 +113,7 @@ def started(pid: int) -> int:
 def shared_memory(name: str) -> list[Path]:
     """Files of shared memory that this process uses and whose names, a pattern, are there; none but on Linux."""
     mapped = told("/proc/self/maps")
-    return sorted({Path(name_found) for name_found in re.findall(rf"(/dev/shm/{name})$", mapped, re.MULTILINE)})
+    return sorted({Path(path) for path in re.findall(rf"(/dev/shm/{name})$", mapped, re.MULTILINE)})
 
 
 @contextmanager

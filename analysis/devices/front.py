@@ -211,7 +211,7 @@ class FrontTracker:
             top = float(known_mean(frame.vx[bulk[highest]]))
             tip = float(known_mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
         height = stack_top(y[near], d, bed, largest)
-        # the column as it is when the gate opens; none where no disc is at the back wall
+        # the column when the gate opens; NaN where no disc is at the back wall
         if self._column is None or time <= 0:
             self._column, self._of_column = (front - self.back if height != 0 else nan, height or nan), frame.ids
         self._fed = self._fed or not np.isin(frame.ids, self._of_column).all()
@@ -345,7 +345,7 @@ def _no_arrival(free: float, end: float) -> str | None:
 
 
 def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter | None:
-    """Ritter's front compared with that of the discs; None where no frame can be compared."""
+    """Ritter's front compared with that of the discs; None without a frame to compare."""
     limit = waves.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
     if not inside.any():

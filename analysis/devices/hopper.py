@@ -345,7 +345,7 @@ def _sum_until(outlet: GapFlow, time: np.ndarray) -> np.ndarray:
 def flow_on(
     time: np.ndarray, passed: np.ndarray, discs: int, requested: tuple[float, float]
 ) -> tuple[float, float] | None:
-    """From flow on to flow off, s, within a window that was requested; None where that holds fewer than four frames.
+    """Begin and end of the flow, s, within a requested window; None where the window has fewer than four frames.
 
     Parameters
     ----------

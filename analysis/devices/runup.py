@@ -316,7 +316,7 @@ def level_before(frame: Frame, flow: Flow, obstacle: Obstacle, reach: float) -> 
 
 
 def analyse(gathered: Gathered) -> RunUp | None:
-    """Run-up and overtopping of the obstacle that the water climbs highest; None where nothing is in its way."""
+    """Run-up and overtopping of the obstacle that the water climbs highest; None without an obstacle."""
     flow, watch = gathered.flow, gathered.histories["runup"]
     assert isinstance(watch, RunUpWatch)
     histories = [(k, np.array(rows).T) for k, rows in enumerate(watch.rows) if rows]

@@ -324,15 +324,13 @@ def analyse(gathered: Gathered) -> dict[str, Stability] | None:
         states, (histories, why) = how_bodies_are(gathered) or {}, _histories(flow)
         for one in flow.scene.bodies:
             name = one.wall.name
-            body_loads_found = body_loads(flow, one, histories) if name in histories else (None, why)
+            loads = body_loads(flow, one, histories) if name in histories else (None, why)
             state = states.get(name, BodyResult())
-            stabilities[name] = replace(
-                _stability(*body_loads_found, window, mean_time), state=state.state, slid_by=state.slid_by
-            )
+            stabilities[name] = replace(_stability(*loads, window, mean_time), state=state.state, slid_by=state.slid_by)
     for name, weighed in flow.scene.stability:
         record = gathered.forces.get(name)
-        body_loads_found = wall_loads(flow, name, weighed, record) if record else (None, NO_RECORD)
-        stabilities[name] = _stability(*body_loads_found, window, mean_time)
+        loads = wall_loads(flow, name, weighed, record) if record else (None, NO_RECORD)
+        stabilities[name] = _stability(*loads, window, mean_time)
     return stabilities
 
 

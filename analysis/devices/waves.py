@@ -119,12 +119,12 @@ def section(waves: Waves) -> Section:
     """Depths by gauge; heights of waves where a paddle makes some."""
     names = {"means": "mean depth of the window [m]", "lowest": "lowest", "largest": "largest of the record"}
     names |= {"heights": "wave height [m]", "depths": "mean depth of whole periods [m]"}
-    columns_given = {name: getattr(waves, name) for name in names if getattr(waves, name)}
-    if not columns_given:
+    measured = {name: getattr(waves, name) for name in names if getattr(waves, name)}
+    if not measured:
         return Section("Gauges", [])
-    columns = zip(waves.gauges, *columns_given.values(), strict=True)
+    columns = zip(waves.gauges, *measured.values(), strict=True)
     rows = [(f"{x:zg}", *(f"{value:z.3f}" if known(value) else None for value in values)) for x, *values in columns]
-    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in columns_given)))]
+    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in measured)))]
     if unknown := [str(x) for x, *values in rows if None in values]:
         blocks.append(Text(f"No bed is known, and no depth, at times or always at x = {', '.join(unknown)} m."))
     if not known(waves.height):

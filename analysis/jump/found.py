@@ -221,7 +221,7 @@ class Budget(Estimates):
 
 @dataclass(frozen=True)
 class Jump(Estimates):
-    """Hydraulic jump: its numbers and theory, as they are in ``summary.json``; NaN and None where not measured.
+    """Hydraulic jump: its numbers and theory, as in ``summary.json``; NaN or None where not measured.
 
     `y1`, `froude`, `y2`, `belanger_y2` and `belanger_deviation` are the one comparison with theory: the depth `at`
     against Bélanger's for the stream `of`, in the frame of the front; `left_out` of the relation. ``_error`` is the

@@ -148,14 +148,14 @@ STATUS = {"failed": "The run failed.", "interrupted": "The run was interrupted."
 
 def answered(summary: Mapping[str, Any]) -> list[tuple[str, int]]:
     """Titles and numbers of the verdicts that answer, in their order."""
-    verdicts_given: list[tuple[str, int]] = []
+    titles: list[tuple[str, int]] = []
     for number, verdict in enumerate(VERDICTS):
-        said = "" if verdicts_given and verdict.alone else verdict.title(summary)
+        said = "" if titles and verdict.alone else verdict.title(summary)
         if said:
-            verdicts_given.append((said, number))
+            titles.append((said, number))
             if verdict.closes or verdict.alone:
                 break
-    return verdicts_given
+    return titles
 
 
 def verdict(summary: Mapping[str, Any]) -> str:

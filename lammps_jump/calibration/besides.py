@@ -97,7 +97,7 @@ def _can_be_run(study: Calibration, values: Mapping[str, float], change: Change)
 
 @dataclass(frozen=True)
 class NearestEffects:
-    """Result of the runs outside the ranges.
+    """Result of the runs that change one further number at the nearest point.
 
     Attributes
     ----------

@@ -299,7 +299,7 @@ class Search:
         return besides
 
     def next_round(self, observed: PointResults) -> dict[str, Any] | None:
-        """The next round of points; None where the answer has settled or the budget is used."""
+        """The next round of points; None once the answer has settled or the budget is spent."""
         study, varied, there = self.study, len(self.study.vary), len(self.points)
         most = study.most_points
         if self.rounds[-1]["of"] == CHECK or there >= most:

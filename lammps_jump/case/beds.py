@@ -110,7 +110,7 @@ def beds_of(
         Where a periodic channel begins and ends, m.
     first : int
     sizes : Sizes, optional
-        Of the other discs; None where all have this `diameter` (m).
+        Of the other discs; None: all have this `diameter` (m).
     diameter : float
     """
     places, own = [np.empty((0, 2))], []

@@ -395,11 +395,11 @@ def check_places(
     count = len(positions)
     images = np.flatnonzero(positions[:, 0] < seam[0] + scene.largest) if seam else np.empty(0, int)
     shift = [seam[1] - seam[0], 0.0] if seam else [0.0, 0.0]
-    overlap_found = deepest_overlap(
+    deepest = deepest_overlap(
         np.concatenate([positions, positions[images] + shift]), np.concatenate([diameters, diameters[images]])
     )
-    if overlap_found is not None and overlap_found[0] > allowed * (1 + 1e-9):
-        overlap, *both = overlap_found
+    if deepest is not None and deepest[0] > allowed * (1 + 1e-9):
+        overlap, *both = deepest
         i, j = sorted(int(one if one < count else images[one - count]) for one in both)
         field = "initial" if scene.fixed is None or not scene.fixed.holds([i + 1, j + 1]).all() else "walls"
         raise FieldError(
@@ -420,8 +420,8 @@ def check_places(
 
 def gauges(case: CaseFields, room: Interval) -> tuple[float, ...]:
     """Places of the gauges along x (m), in the room of the domain and each once."""
-    (low, high), gauges_given = room, case.probes.gauges
-    for index, place in enumerate(gauges_given):
+    (low, high), places = room, case.probes.gauges
+    for index, place in enumerate(places):
         if not low < place < high:
             where = "at the end of" if place in (low, high) else "outside"
             raise FieldError(
@@ -429,9 +429,9 @@ def gauges(case: CaseFields, room: Interval) -> tuple[float, ...]:
                 f"{place:zg} m is {where} the domain; allowed is above {low:zg} m and below "
                 f"{high:zg} m: move the gauge or widen the domain",
             )
-        if place in gauges_given[:index]:
+        if place in places[:index]:
             raise FieldError(f"probes.gauges.{index}", f"{place:zg} m is there already: name each place once")
-    return gauges_given
+    return places
 
 
 def check_in_domain(

@@ -420,7 +420,7 @@ def never_met(
     xs = [*loose[:, 0], *(row.x for row in inlets)]
     if not case.gravity or not xs or case.seam:
         return sentences
-    by_reason: dict[object, str] = {}  # an outlet or a gap before several walls is told once
+    by_reason: dict[object, str] = {}  # an outlet or a gap before several walls is named once
     for barrier in _barriers(walls, begun, (float(min(xs)), float(max(xs)))):
         place = f"wall '{barrier.wall.name}' at x = {barrier.face:zg} m"
         drained = [one for one in outlets if _drains(one, barrier, begun)]

@@ -174,9 +174,9 @@ def renumbered(contacts: np.ndarray, column: str, old: Sequence[str], new: Seque
     place = {name: number for number, name in enumerate(new)}
     numbers = np.array([place.get(name, -1) for name in (*old, "")])
     sign = -1 if column == "partner" else 1
-    numbers_kept = numbers[sign * contacts[column] - 1]
-    kept = contacts[numbers_kept >= 0].copy()
-    kept[column] = sign * (1 + numbers_kept[numbers_kept >= 0])
+    renumbering = numbers[sign * contacts[column] - 1]
+    kept = contacts[renumbering >= 0].copy()
+    kept[column] = sign * (1 + renumbering[renumbering >= 0])
     return kept
 
 

@@ -471,7 +471,7 @@ def _kind(tag: object, value: object, known: list[str]) -> str:
 
 def _models_at(location: tuple[Any, ...], model: type) -> list[type]:
     """The models that are allowed at pydantic's location, from `model` on."""
-    return [model_found for field in fields_at(model, location) for model_found in models_in(field.annotation)]
+    return [each for field in fields_at(model, location) for each in models_in(field.annotation)]
 
 
 def _fields(models: list[type]) -> dict[str, FieldInfo]:

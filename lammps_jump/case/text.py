@@ -124,8 +124,8 @@ class CaseSource:
     @property
     def doubts(self) -> tuple[str, ...]:
         """Sentences on values that other readers of YAML take for other ones."""
-        texts_found = (_of_octal(dotted_path(path), text) for path, text in self.octals.items())
-        return tuple(text for text in texts_found if text)
+        sentences = (_of_octal(dotted_path(path), text) for path, text in self.octals.items())
+        return tuple(text for text in sentences if text)
 
     @property
     def whole(self) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def numbers(text: str) -> list[float]:
 
 
 def transform(text: str) -> Affine:
-    """The map of an attribute ``transform``; ValueError for what is none."""
+    """The map of an attribute ``transform``; ValueError where its text is no map."""
     affine, place, text = Affine(), 0, text.rstrip()
     while place < len(text):
         single = SINGLE.match(text, place)
@@ -108,7 +108,7 @@ class ViewBox(NamedTuple):
     height: float
 
     def onto(self, width: float, height: float, aspect: str) -> Affine:
-        """The map onto a page of this size, by ``preserveAspectRatio`` (SVG 1.1, 7.8); ValueError for what is none."""
+        """The map onto a page of this size, by ``preserveAspectRatio`` (SVG 1.1, 7.8); ValueError for other text."""
         match = ASPECT.fullmatch(aspect or "xMidYMid")
         if match is None:
             raise ValueError(f"preserveAspectRatio {aspect[:60]!r} is none")
@@ -123,7 +123,7 @@ class ViewBox(NamedTuple):
 
 
 def view_box(text: str | None) -> ViewBox | None:
-    """The view box of an attribute, None without one; ValueError for what is none."""
+    """The view box of an attribute, None without one; ValueError for other text."""
     if text is None:
         return None
     values = numbers(text)

@@ -101,7 +101,7 @@ def _rows(lines: Iterator[str], file: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _number(cells: list[str], index: int, head: list[str], place: str) -> float:
-    """The number of a cell; CaseError for what is none, or has a unit of its own."""
+    """The number of a cell; CaseError where it is no number, or has a unit."""
     with suppress(ValueError):
         if isfinite(value := number_of(cells[index])):
             return value

@@ -112,7 +112,7 @@ def _kind(element: Element) -> str:
 
 
 def length(text: str | None, whole: float, default: float = 0.0) -> float:
-    """A length in pixels; `whole` is what a share is of. ValueError for what is none."""
+    """A length in pixels; `whole` is what a share is of. ValueError where the text is no length."""
     if text is None or text.strip() == "auto":
         return default
     match = LENGTH.fullmatch(text) if len(text) <= LONGEST_NUMBER else None

@@ -327,8 +327,8 @@ def prepare(
     for name, one in sliders.items():
         if numbers and one.path in NUMBERS:
             report(f"{name}: setting the case up with {STOPS} values of {one.path}")
-            if stops_made := _stops(case, one, simulation, asked=own is not None):
-                stops[name] = stops_made
+            if several := _stops(case, one, simulation, asked=own is not None):
+                stops[name] = several
     sliders = {name: one for name, one in sliders.items() if one.path not in NUMBERS or name in stops}
     _require_apart(sliders, stops)
     case = case.replace(
@@ -340,7 +340,7 @@ def prepare(
     if scene.settle_steps:
         report("letting the discs settle")
         simulation.run(scene.settle_steps)
-        stops = {name: tuple(replace(stop, start=None) for stop in stops_made) for name, stops_made in stops.items()}
+        stops = {name: tuple(replace(stop, start=None) for stop in several) for name, several in stops.items()}
     return LiveFlow(case, sliders, simulation, stops, target, discs, tuple(_notes(given, case, sliders)))
 
 

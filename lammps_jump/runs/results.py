@@ -86,7 +86,7 @@ class AnalysisInputs:
 
     @property
     def known(self) -> dict[str, Any]:
-        """AnalysisInputs inputs, as they are in ``summary.json``."""
+        """The inputs that are given, as they are in ``summary.json``."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
     @classmethod

@@ -155,21 +155,19 @@ class SteadyDetector:
         series = dict(zip(TOLERANCES, columns, strict=True))
         jump = np.isfinite(series["toe"]).any()
         self.drifts = {name: drift_of(values) for name, values in series.items() if jump or name != "toe"}
-        scales = {name: abs(drift_found.mean) for name, drift_found in self.drifts.items()} | {"toe": 1.0}
+        scales = {name: abs(drift.mean) for name, drift in self.drifts.items()} | {"toe": 1.0}
         scales["discharge"] = max(scales["discharge"], self.inflow)
         allowed = {name: TOLERANCES[name] * scale for name, scale in scales.items()}
-        good = all(
-            abs(drift_found.drift) + drift_found.margin <= allowed[name] for name, drift_found in self.drifts.items()
-        )
+        good = all(abs(drift.drift) + drift.margin <= allowed[name] for name, drift in self.drifts.items())
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
-            drift_found = ", ".join(
+            drifts = ", ".join(
                 f"{name} {drift.drift:+z.2g} ± {drift.margin:z.1g} (allowed {allowed[name]:z.2g})"
                 for name, drift in self.drifts.items()
             )
             self.reason = (
                 f"statistically steady{'' if jump else ', without a jump,'} at t = {time:z.4g} s: drift over the last "
-                f"{self.window:zg} s of {drift_found}; two one-sided t tests, {100 * CONFIDENCE:zg} %, twice in a row"
+                f"{self.window:zg} s of {drifts}; two one-sided t tests, {100 * CONFIDENCE:zg} %, twice in a row"
             )
 
 

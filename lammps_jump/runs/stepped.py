@@ -420,10 +420,10 @@ def _number(path: str, value: object) -> float:
 
 
 def _positive(path: str, value: object) -> float:
-    number_given = _number(path, value)
-    if number_given <= 0:
-        raise CaseError(f"{path}: {number_given:zg} s; allowed is a time above 0")
-    return number_given
+    seconds = _number(path, value)
+    if seconds <= 0:
+        raise CaseError(f"{path}: {seconds:zg} s; allowed is a time above 0")
+    return seconds
 
 
 def _of_another_past(old: Scene, new: Scene, step: int) -> str:

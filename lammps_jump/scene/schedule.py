@@ -96,20 +96,20 @@ def _divisors(n: int) -> np.ndarray:
 
 
 def rounding_notes(
-    times_given: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
+    values: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
 ) -> tuple[str, ...]:
     """Sentences on values that differ from the requested ones by more than `TOLD`.
 
     Parameters
     ----------
-    times_given : mapping of the field's name to (asked, made)
+    values : mapping of the field's name to (requested, made)
     unit : str
     why : str
         What has changed them.
     """
     return tuple(
         f"{name}: {made:z.4g} {unit} in place of {value:z.4g} {unit}, because {why}"
-        for name, (value, made) in times_given.items()
+        for name, (value, made) in values.items()
         if abs(made - value) > TOLD * abs(value)
     )
 

@@ -135,10 +135,10 @@ def numbers_of_run(run: Run, paths: Sequence[str], looks: Mapping[str, Mapping[s
     seen = {}
     for name, look in looks.items():
         case = run.case.replace({path: value for path, value in look.items() if path != STRETCH})
-        numbers_found: dict[str, Any] = {}
+        parts: dict[str, Any] = {}
         for part in dict.fromkeys(path.partition(".")[0] for path in paths):
-            numbers_found |= looked_at(case, run.folder, part, float(look.get(STRETCH, 1.0)))
-        seen[name] = {path: number_at(numbers_found, path) for path in paths}
+            parts |= looked_at(case, run.folder, part, float(look.get(STRETCH, 1.0)))
+        seen[name] = {path: number_at(parts, path) for path in paths}
     return {
         "outcome": verdict or "complete",
         "seconds": run.summary.get("cpu_seconds", 0.0),

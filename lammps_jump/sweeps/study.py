@@ -393,8 +393,8 @@ def parse_until(text: str) -> tuple[str, str]:
 
 
 def _pair(option: str, text: str, sign: str, example: str) -> tuple[str, str]:
-    path, sign_found, value = (part.strip() for part in text.partition(sign))
-    if not (path and sign_found and value):
+    path, middle, value = (part.strip() for part in text.partition(sign))
+    if not (path and middle and value):
         raise CaseError(
             f"{option} {shortened(text)}: expected a path, {sign} and a value, for example {option} {example}"
         )
